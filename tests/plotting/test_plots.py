@@ -11,6 +11,7 @@ from tribo import InputError, paper, plotting
 from tribo.plotting import animation, curves
 from tribo.plotting.marks import time_labels
 from tribo.plotting.pose import pose
+from tribo.plotting.style import with_powers_at_ticks
 
 KINDS = ("angles", "work", "energy_budget", "phase", "snapshots")
 
@@ -166,7 +167,7 @@ def test_ticks_of_a_short_range_are_told_apart():
 
     ax = Figure().add_subplot()
     ax.plot([8e-10, 8.0005e-10], [1e6, 1e6 + 10.0])
-    curves.with_powers_at_ticks(ax)
+    with_powers_at_ticks(ax)
     ax.figure.draw_without_rendering()
     for axis in (ax.xaxis, ax.yaxis):
         texts = [label.get_text() for label in axis.get_ticklabels()]

@@ -9,7 +9,6 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from tribo.model.surface import Surface
-from tribo.plotting.marks import with_minus
 from tribo.plotting.style import CYCLE, NOTE_SIZE, figure_of
 from tribo.results.run_result import RunResult
 
@@ -19,11 +18,6 @@ if TYPE_CHECKING:
 
 # Colours of surfaces, and of the parts of an energy budget, one after the other.
 COLOURS = CYCLE * 8
-# Largest number of an axis whose ticks have no power of ten.
-LEAST_PLAIN = 1e-3
-MOST_PLAIN = 1e5
-# Least span of such an axis, relative to its largest number.
-LEAST_SPAN = 0.05
 # Letters of a legend in an inch, and those that a sample of a line takes.
 LETTERS = 28.5
 OF_LINE = 8
@@ -44,31 +38,8 @@ def swing_of(result: RunResult, surface: Surface) -> np.ndarray:
     return np.asarray(series.theta - surface.rest - series.phi)
 
 
-def with_powers_at_ticks(ax: Axes) -> None:
-    """Let each tick have its power of ten, as in SI units.
-
-    matplotlib writes one power at the end of an axis, over legends and notes.
-    """
-    from matplotlib.ticker import FuncFormatter, ScalarFormatter
-
-    for axis in (ax.xaxis, ax.yaxis):
-        low, high = axis.get_view_interval()
-        largest = max(abs(low), abs(high))
-        is_scalar = type(axis.get_major_formatter()) is ScalarFormatter
-        is_wide = abs(high - low) > LEAST_SPAN * largest  # else four digits do not tell ticks apart
-        if is_scalar and is_wide and not LEAST_PLAIN <= largest < MOST_PLAIN:
-            axis.set_major_formatter(FuncFormatter(_with_power))
-
-
-def _with_power(value: float, place: int) -> str:
-    """A number with few digits, as 2e-9."""
-    mantissa, _, exponent = f"{value:.4g}".partition("e")
-    return with_minus(f"{mantissa}e{int(exponent)}" if exponent else mantissa)
-
-
 def finish(ax: Axes, result: RunResult, ylabel: str) -> None:
     """Add the line of zero, the labels and the legend of a graph over time."""
-    with_powers_at_ticks(ax)
     ax.axhline(0.0, color="0.6", linewidth=0.5, linestyle="-", zorder=0)
     ax.set(xlabel="$t$", ylabel=ylabel, xlim=(result.t[0], result.t[-1]))
     legend(ax)

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import ArrayLike
 
-from tribo.plotting.curves import legend, with_powers_at_ticks
+from tribo.plotting.curves import legend
 from tribo.plotting.marks import with_minus
 from tribo.plotting.style import COLUMN, CYCLE, INK, drawing_on
 from tribo.results.averages import interval, mean_text
@@ -52,7 +52,6 @@ def histogram(values: ArrayLike, label: str, ax: Axes | None = None) -> Axes:
         shown = with_minus(f"mean {mean_text(mean, half, '±')}")
         ax.axvline(mean, color=MIRROR_COLOUR, linewidth=1.0, label=shown)
         ax.set(xlabel=label, ylabel="members", ylim=(0.0, 1.05 * counts.max()))
-        with_powers_at_ticks(ax)
         legend(ax)
     return ax
 

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from tribo.layout.scene_records import resting_bobs
-from tribo.plotting.curves import ASPECT, COLOURS, finish, with_powers_at_ticks
+from tribo.plotting.curves import ASPECT, COLOURS, finish
 from tribo.plotting.marks import with_minus
 from tribo.plotting.pose import nearest_sample
 from tribo.plotting.style import COLUMN, INK, MEDIUM, NOTE_SIZE, drawing_on, figure_of
@@ -39,7 +39,6 @@ def draw_loop(result: RunResult, surface: str, position: object, ax: Axes | None
         area = mean_text(found.area.mean, found.area.half_width, "±")
         ax.set_title(with_minus(f"area {area}"), fontsize=NOTE_SIZE)
         ax.set(xlabel="position", ylabel=f"force on {surface}")
-        with_powers_at_ticks(ax)
     return ax
 
 
@@ -73,7 +72,6 @@ def draw_contacts(result: RunResult, surface: str, ax: Axes | None) -> Axes:
     with drawing_on(ax, COLUMN, ASPECT * COLUMN) as ax:
         ax.plot(found["time"], found["share"], color=COLOURS[0], linewidth=0.9)
         ax.set(xlabel="$t$", ylabel=f"share of {surface} in contact", ylim=(0.0, 1.02))
-        with_powers_at_ticks(ax)
         ax.set_xlim(float(result.t[0]), float(result.t[-1]))
     return ax
 

@@ -28,6 +28,11 @@ NOTE_SIZE = 7.5
 # Widths of the line of a single surface, and of thin lines [points].
 MEDIUM = 1.1
 THIN = 0.7
+# Largest number of an axis whose ticks have no power of ten.
+LEAST_PLAIN = 1e-3
+MOST_PLAIN = 1e5
+# Least span of such an axis, relative to its largest number.
+LEAST_SPAN = 0.05
 # Colours of lines, in order; people with any colour vision can tell the first two apart.
 CYCLE = ("#0b62a4", "#d55e00", "#1f8a70", "#7d2f86", "#8a6f00", "#c2185b", "#607d8b")
 
@@ -61,6 +66,29 @@ def axes(width: float = COLUMN, height: float | None = None) -> Axes:
         return figure.add_subplot(axes_class=ShownAxes)
 
 
+def with_powers_at_ticks(ax: Axes) -> None:
+    """Let each tick have its power of ten, as in SI units.
+
+    matplotlib writes one power at the end of an axis, over legends and notes.
+    """
+    from matplotlib.ticker import FuncFormatter, ScalarFormatter
+
+    for axis in (ax.xaxis, ax.yaxis):
+        low, high = axis.get_view_interval()
+        largest = max(abs(low), abs(high))
+        is_scalar = type(axis.get_major_formatter()) is ScalarFormatter
+        is_wide = abs(high - low) > LEAST_SPAN * largest  # else four digits do not tell ticks apart
+        if is_scalar and is_wide and not LEAST_PLAIN <= largest < MOST_PLAIN:
+            axis.set_major_formatter(FuncFormatter(_with_power))
+
+
+def _with_power(value: float, place: int) -> str:
+    """A number with few digits, as 2e-9."""
+    mantissa, _, exponent = f"{value:.4g}".partition("e")
+    text = f"{mantissa}e{int(exponent)}" if exponent else mantissa
+    return text.replace("-", "\N{MINUS SIGN}")
+
+
 @contextmanager
 def drawing_on(ax: Axes | None, width: float, height: float | None = None) -> Iterator[Axes]:
     """Yield the given Axes, or new ones in tribo's style, of that size [inch].
@@ -70,6 +98,7 @@ def drawing_on(ax: Axes | None, width: float, height: float | None = None) -> It
     """
     if ax is not None:
         yield ax
+        with_powers_at_ticks(ax)
         return
     from tribo.plotting.shown import ShownAxes, ShownFigure
 
@@ -81,6 +110,7 @@ def drawing_on(ax: Axes | None, width: float, height: float | None = None) -> It
             ax = figure.add_axes((0.0, 0.0, 1.0, 1.0), axes_class=ShownAxes)
             ax.set_axis_off()
         yield ax
+        with_powers_at_ticks(ax)
     if height is None:
         left, right = ax.get_xlim()
         bottom, top = ax.get_ylim()

@@ -12,7 +12,6 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
-from tribo.plotting.curves import with_powers_at_ticks
 from tribo.plotting.marks import POINTS_PER_INCH
 from tribo.plotting.style import INK
 from tribo.results.run_result import RunResult
@@ -104,7 +103,6 @@ def draw_works(
             (lines[name],) = ax.plot(result.t, works[name], **look(name))
     ax.axhline(0.0, color="0.6", linewidth=0.5, zorder=0)
     ax.set(xlabel="$t$", xlim=span)
-    with_powers_at_ticks(ax)
     ax.xaxis.set_major_locator(MaxNLocator(7, steps=[1, 2, 5, 10]))
     if lines:
         _label_ends(ax, {symbol(name): line for name, line in lines.items()}, span[1])

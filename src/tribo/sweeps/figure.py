@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from tribo.ledger.quantities import AVERAGED
-from tribo.plotting.curves import COLOURS, DASHES, legend, with_powers_at_ticks
+from tribo.plotting.curves import COLOURS, DASHES, legend
 from tribo.plotting.style import COLUMN, NOTE_SIZE, WIDE, drawing_on
 from tribo.results.averages import interval
 from tribo.validation import InputError, one_of
@@ -80,7 +80,6 @@ def sweep_lines(
             ax.errorbar(places[order], drawn.isel(at).values[order], half, label=label, **how)
         at_end = "" if name.rpartition(".")[2] in AVERAGED else " at the end"
         ax.set(xlabel=key, ylabel=f"{name}{at_end}")
-        with_powers_at_ticks(ax)
         if not numbers:
             ax.xaxis.set_minor_locator(NullLocator())
         title = f"bars: {meaning}" if meaning else None
