@@ -142,12 +142,15 @@ def scales_of(
         energy = np.where(energy > 0.0, energy, possible)
     rate = resolved(_highest(names, tops, RATES), np.sqrt(potential / inertia))
     velocity = resolved(speed, np.sqrt(potential / mass))
-    # Where nothing moves but all of the scene, whose velocities are known to their rounding.
-    resting = np.maximum(np.sqrt(energy / mass), largest(layout.velocities))
+    if not single or rate == 0.0 or velocity == 0.0:
+        # Where nothing moves but all of the scene, whose velocities are known to their rounding.
+        resting = np.maximum(np.sqrt(energy / mass), largest(layout.velocities))
+        velocity = np.where(velocity > 0.0, velocity, resting)
+        rate = np.where(rate > 0.0, rate, np.sqrt(energy / inertia))
     scales: dict[str, Any] = {
-        "rate": np.where(rate > 0.0, rate, np.sqrt(energy / inertia)),
+        "rate": rate,
         "length": length_scale(path, length),
-        "velocity": np.where(velocity > 0.0, velocity, resting),
+        "velocity": velocity,
         "energy": energy,
         "total": np.maximum(energy, _highest(names, tops, TOTALS)),
         "work": work if works else np.zeros_like(work),

@@ -297,8 +297,11 @@ def _read(path: str, channel: str | int | None = None, size: Any = None) -> Any:
             if size is not None:
                 _check_sizes(size, chosen.dim)
             if chosen.physical_sizes is None:
-                sizes = settings.get("physical_sizes", (1.0,) * chosen.dim)
-                _check_no_points(reader.topography(**settings | {"physical_sizes": sizes}))
+                # Without a size, so that those of points are not told to give one.
+                scan = reader.topography(**{"physical_sizes": (1.0,) * chosen.dim} | settings)
+                _check_no_points(scan)
+                if size is not None:
+                    return scan
             return reader.topography(**settings)
     except InputError:
         raise

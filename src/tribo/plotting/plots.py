@@ -331,8 +331,8 @@ class Plots:
                 height_ratios=(1.5, 1.0, 1.0),
             )
             self.energy_budget(ax=places["energies"])
-            swings = any(np.isfinite(s.each["kappa"]).any() for s in result.scene.surfaces)
-            (self.angles if swings else self.velocities)(ax=places["angles"])
+            rigid = all(surface.asperite.is_rigid for surface in result.scene.surfaces)
+            (self.velocities if rigid else self.angles)(ax=places["angles"])
             slides = has_mean_friction(result.scene) and "friction_force" in result[self._surface()]
             (self.friction_force if slides else self.phase)(ax=places["last"])
             if result.scene.output.ledger != "none":

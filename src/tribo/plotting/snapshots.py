@@ -99,8 +99,8 @@ def snapshots(
             marks.note(ax, place, label, ha=layout.align)
             if forces is not None:
                 force_arrows(ax, result.scene, now, shown, *forces)
-        swings = any(np.isfinite(s.each["kappa"]).any() for s in result.scene.surfaces)
-        if picture.swings is not None and swings:
+        rigid = all(surface.asperite.is_rigid for surface in result.scene.surfaces)
+        if picture.swings is not None and not rigid:
             bottom -= BAR_ROOM * point
             place = (left + 0.6 * (right - left), bottom + 16.0 * point)
             colour_bar(ax, picture.swings, place, 0.38 * (right - left), 4.0 * point)
