@@ -139,6 +139,25 @@ def test_noise_has_means():
     assert np.all(np.isnan(rest["upper"].f_T_x[0]))  # not the mean since t = 0
 
 
+def test_means_of_forces_begin_with_the_run_that_goes_on():
+    """The first was the mean since t = 0, and averages took all for values at the samples."""
+    reservoir = tribo.Langevin(1.0, 0.5, on="swing")
+    upper = tribo.Surface(
+        "upper", bob=(-2.0, 1.0), velocity=(0.5, 0.0), drive="bars", langevin=reservoir
+    )
+    lower = tribo.Surface("lower", facing="up", drive="bars", shape=(8, 1), spacing=(1.0, 0.0))
+    output = tribo.Output(samples=9, series=("forces",))
+    scene = tribo.Scene([upper, lower], tribo.Morse(0.5, 2.0, 1.0), 8.0, output=output)
+    how = {"method": "verlet", "step": 0.01}
+    half = replace(scene, duration=4.0, output=replace(output, samples=5))
+    later = tribo.simulate(scene, start=tribo.simulate(half, **how).state(), **how)
+    whole = tribo.simulate(scene, **how)
+    pull = later["upper"].pull_force
+    assert np.isnan(pull[0]) and np.array_equal(pull[1:], whole["upper"].pull_force[5:])
+    impulse = (later["upper"].w2[-1, 0] - later["upper"].w2[0, 0]) / 0.5
+    assert later.pull_force("upper").mean == pytest.approx(impulse / 4.0, rel=1e-12)
+
+
 @pytest.mark.parametrize("ledger", ["surfaces", "none"])
 def test_noise_without_impulses(ledger):
     """Without the ledger of asperites, only the forces with noise are left out."""
