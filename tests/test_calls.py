@@ -16,22 +16,23 @@ from scipy import stats
 import tribo
 
 PACKAGE = os.path.dirname(tribo.__file__)
+CASE_A = tribo.paper.scene("A")
 
 # Most calls of functions in Python and in C, in all frames, of a run of a prepared pair, of a run
-# with an estimate, and of `simulate`; measured: 40, 599 and 3,872, and two more for each run of a
+# with an estimate, and of `simulate`; measured: 40, 608 and 3,810, and two more for each run of a
 # pair once there are plug-ins of the user's.
 PREPARED = 42
 ESTIMATED = 617
-SIMULATED = 3980
-# The same of three asperites on three by adaptive steps; measured: 1,084, 4,376 and 12,416.
+SIMULATED = 3920
+# The same of three asperites on three by adaptive steps; measured: 1,084, 4,379 and 12,511.
 PREPARED_LATTICE = 1115
 ESTIMATED_LATTICE = 4510
 SIMULATED_LATTICE = 12790
-# Of 100 members, and of 121 points of a grid; measured: 14,418 and 19,770.
-MEMBERS = 14850
-POINTS = 20350
-# Of 100 members in frames of tribo's own; measured: 7,854.
-OWN_OF_MEMBERS = 8090
+# Of 100 members, and of 121 points of a grid; measured: 9,996 and 16,656.
+MEMBERS = 10290
+POINTS = 17150
+# Of 100 members in frames of tribo's own; measured: 5,357.
+OWN_OF_MEMBERS = 5510
 # Of each further thousand of members that differ in starts; measured: 28.
 EACH_THOUSAND = 29
 # Of each further thousand of members that differ in numbers; measured: 50.
@@ -82,8 +83,7 @@ def test_prepared_pair():
 
 
 def test_simulate():
-    scene = tribo.paper.scene("A")
-    assert calls(lambda: tribo.simulate(scene, accuracy=1e-8, progress=False)) <= SIMULATED
+    assert calls(lambda: tribo.simulate(CASE_A, accuracy=1e-8, progress=False)) <= SIMULATED
 
 
 def test_lattice():
@@ -134,7 +134,7 @@ print(*sorted(unused & sys.modules.keys()))
 def ensemble(members, **vary):
     vary = {"upper.theta": stats.norm(0.0, 0.1)} | vary
     options = {"keep": ["upper.w1"], "seed": 1, "threads": 1, "progress": False}
-    return tribo.ensemble(tribo.paper.scene("A"), members, vary, **options)
+    return tribo.ensemble(CASE_A, members, vary, **options)
 
 
 @pytest.mark.parametrize(
@@ -158,8 +158,7 @@ def test_points():
             "upper.asperite.kappa": np.linspace(1.0, 3.0, places),
             "interaction.strength": np.linspace(0.3, 0.7, places),
         }
-        scene = tribo.paper.scene("A")
-        return tribo.sweep(scene, values, keep=["upper.w1"], threads=1, progress=False)
+        return tribo.sweep(CASE_A, values, keep=["upper.w1"], threads=1, progress=False)
 
     few = calls(lambda: sweep(11))
     assert few <= POINTS

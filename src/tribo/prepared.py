@@ -15,7 +15,6 @@ from tribo.accuracy.levels import fine_level
 from tribo.accuracy.plan import Plan, single_setting
 from tribo.accuracy.search import FoundSettings, missed_note
 from tribo.accuracy.search_runs import StopTimes
-from tribo.integrators.methods import noisy
 from tribo.integrators.own_method import coefficients_of
 from tribo.interrupts import Interrupted
 from tribo.kernels.status import Status
@@ -85,7 +84,7 @@ class Simulation:
         self._notes = (*taken, *notes_on.run_notes(self.layout, self.method, step))
         self._streams = is_streamed(self.layout, self.layout.times.size)
         self._may_pass = bool(facing(self.layout))
-        self._noisy = noisy(self.scene)
+        self._noisy = self.scene.is_noisy
         self._reporter = Reporter(self.layout, plan.times)
         self.initial_state = InitialState(self.layout, integrator.origin is not None)
 

@@ -50,13 +50,13 @@ def choose(
     scene = layout.scene
     if accuracy is not None and step is not None:
         raise InputError("accuracy", "cannot go with a step; give one or the other")
-    if method is None and methods.noisy(scene):
+    if method is None and scene.is_noisy:
         method = methods.NOISY
     elif method is None and step is not None:
         method = "midpoint"
     if method is not None:
         methods.check(methods.named(method), scene)
-    if methods.noisy(scene):
+    if scene.is_noisy:
         return _noisy(layout, accuracy, step)
     wanted = check_accuracy("accuracy", DEFAULT_ACCURACY if accuracy is None else accuracy)
     if method is None:

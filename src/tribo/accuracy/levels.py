@@ -190,8 +190,9 @@ def tolerances(layout: Layout, scales: ToleranceScales, level: float, near: floa
     swing = slice(0, layout.scene.count)
     # An error of a rate matters to the energy by the rate itself, or else by its own square.
     spin = np.maximum(scales.spin, np.sqrt(energy / a.inertia))
-    angle = np.minimum(level, _over(energy, a.kappa * scales.twist))
-    omega = np.minimum(level * scales.rate, _over(energy, a.inertia * spin))
+    with np.errstate(over="ignore"):  # infinite where a torsion or a momentum is tiny
+        angle = np.minimum(level, energy / np.maximum(a.kappa * scales.twist, TINY))
+        omega = np.minimum(level * scales.rate, energy / np.maximum(a.inertia * spin, TINY))
     q[swing] = _slower_below(angle, scales.lost_angle)
     v[swing] = _slower_below(omega, scales.lost_rate)
     if "dof_phi" in span.present:
@@ -209,14 +210,10 @@ def tolerances(layout: Layout, scales: ToleranceScales, level: float, near: floa
     # An impulse whose work is a small difference has no digits beyond its own round-off.
     lost = max(FLOOR * scales.impulse, largest(a.mass) * scales.lost_speed)
     impulse = _slower_below(level * min(scales.impulse, scales.energy / scales.velocity), lost)
-    s = np.where(weights > 0.0, energy / np.where(weights > 0.0, weights, 1.0), impulse)
+    s = np.empty(layout.accounts)
+    s.fill(impulse)
+    np.divide(energy, weights, out=s, where=weights > 0.0)
     return Tolerance(y, s, level, near)
-
-
-@np.errstate(over="ignore")
-def _over(energy: float, value: np.ndarray) -> np.ndarray:
-    """An energy over a torsion or a momentum, infinite where that is tiny."""
-    return energy / np.maximum(value, TINY)
 
 
 def _slower_below(tolerance: float | np.ndarray, lost: float) -> float | np.ndarray:

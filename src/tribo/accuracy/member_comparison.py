@@ -5,7 +5,6 @@ from dataclasses import replace
 
 import numpy as np
 
-from tribo.accuracy.comparison import Accuracy, observables
 from tribo.accuracy.scales import (
     MEASURES,
     Scales,
@@ -25,12 +24,15 @@ MOST_COMPARED = 65
 
 
 class FineRuns:
-    """Fine runs of some members, with which any number of other runs of these are compared."""
+    """Fine runs of some members, with which any number of other runs of these are compared.
 
-    def __init__(self, runs: MemberRuns, accuracy: Accuracy) -> None:
+    `accuracy` has that of each quantity by which they are.
+    """
+
+    def __init__(self, runs: MemberRuns, accuracy: Mapping[str, float]) -> None:
         self._accuracy = accuracy
-        self._asked = observables(accuracy)
-        self._kinds = frozenset(without_surfaces(self._asked)) or None
+        self._asked = tuple(accuracy)
+        self._kinds = frozenset(without_surfaces(self._asked))
         self._complete = runs.complete
         layout, self._samples = _at_few_times(runs)
         self._layouts = {1: layout}  # for all members so many times
@@ -48,9 +50,7 @@ class FineRuns:
         samples = self._samples.beside(*(_at_few_times(each)[1] for each in others))
         layout = self._layout_of(runs)
         group = AsperiteSeries(layout, samples, (layout.together,))
-        only = self._kinds
-        if only is not None and self._scales is None:
-            only = only | MEASURES
+        only = self._kinds if self._scales else self._kinds | MEASURES
         table = series_table(layout, group, self._asked, only)
         values = table.values.reshape(-1, runs, members, table.values.shape[1])
         if self._scales is None:
@@ -89,17 +89,17 @@ def _scales(
 
 
 def _in_units(
-    accuracy: Accuracy, scales: Scales, names: tuple[str, ...], gaps: np.ndarray, members: int
+    accuracy: Mapping[str, float], scales: Scales, names: tuple[str, ...], gaps: np.ndarray, members: int
 ) -> np.ndarray:
     """The largest of differences (names, runs x members) in their units, (runs, members)."""
-    asked = accuracy if isinstance(accuracy, Mapping) else dict.fromkeys(names, accuracy)
-    places = [place for place, name in enumerate(names) if name in asked]
+    places = [place for place, name in enumerate(names) if name in accuracy]
     units = np.empty((len(places), members))
     for unit, place in zip(units, places, strict=True):
-        unit[:] = asked[names[place]] * scales.of(names[place])
+        unit[:] = accuracy[names[place]] * scales.of(names[place])
     chosen = gaps[places].reshape(len(places), -1, members)
     relative = np.where(chosen == 0.0, 0.0, chosen / units[:, None])
-    return np.asarray(relative.max(axis=0, initial=0.0))
+    worst: np.ndarray = np.maximum.reduce(relative, axis=0, initial=0.0)
+    return worst
 
 
 def _at_few_times(runs: MemberRuns) -> tuple[Layout, Samples]:

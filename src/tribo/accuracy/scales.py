@@ -246,7 +246,8 @@ def _units(names: tuple[str, ...]) -> tuple[tuple[str, str], ...]:
 def largest_of_runs(series: np.ndarray, runs: int) -> np.ndarray:
     """The largest magnitude of a series in each of some runs, over times and asperites."""
     each = np.abs(series).reshape(-1, runs, series.shape[1])
-    return np.asarray(np.maximum.reduce(each, axis=(0, 2)))
+    highest: np.ndarray = np.maximum.reduce(each, axis=(0, 2))
+    return highest
 
 
 def largest(values: np.ndarray) -> float:

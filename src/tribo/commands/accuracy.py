@@ -16,7 +16,6 @@ if TYPE_CHECKING:
 
 def run_accuracy(options: argparse.Namespace) -> int:
     """Measure and print errors and costs, or with noise half-widths and costs; the exit status."""
-    from tribo.integrators.methods import noisy
     from tribo.work_precision import WorkPrecision, means_precision, work_precision
 
     scene = load_with_values(options)
@@ -31,7 +30,7 @@ def run_accuracy(options: argparse.Namespace) -> int:
         if found.rows:  # to be printed if an interrupt ends the program
             report_by(lambda: show(found))
 
-    if noisy(scene):
+    if scene.is_noisy:
         for option in ("methods", "figure"):
             if getattr(options, option) is not None:
                 raise InputError(f"--{option}", "cannot go with a scene that has thermal noise")

@@ -10,7 +10,7 @@ import numpy as np
 from tribo.accuracy.choose_method import check_damped_step, check_resolved
 from tribo.ensembles.kept_values import MISSED, REFUSED, UNKNOWN, Kept, KeptValues, set_notes
 from tribo.ensembles.members import Members, is_random, values_at_start
-from tribo.integrators.methods import Method, noisy, refusal
+from tribo.integrators.methods import Method, refusal
 from tribo.kernels.status import EVALUATIONS, STEPS, Status
 from tribo.layout.layout import Layout
 from tribo.layout.own_numbers import member_numbers
@@ -237,7 +237,7 @@ class StepRuns(Policy):
         starts = self.begin(members)
         runs = self._run(starts)
         found = delivered(self.kept, runs, math.nan, self._resolved(runs))
-        if runs.stiffness is not None and noisy(self.simulation.scene):
+        if runs.stiffness is not None and self.simulation.scene.is_noisy:
             found["excess"] = runs.stiffness.excess(self._step)
             missed, through = self._missed_energy(runs)
             for index in np.flatnonzero(missed > MOST_MISSED * through).tolist():

@@ -12,7 +12,6 @@ from tribo.ensembles.batches import Policy
 from tribo.ensembles.kept_values import Kept, KeptValues
 from tribo.ensembles.members import VELOCITY, Members, is_start
 from tribo.ensembles.runner import Runs
-from tribo.integrators.methods import noisy
 from tribo.ledger.quantities import EVERY_QUANTITY
 from tribo.ledger.quantity import UNITS
 from tribo.model.initial import DISPLACEMENTS
@@ -38,7 +37,7 @@ EXCESS = {
 
 def counts_of(scene: Scene) -> dict[str, str]:
     """What each run of a scene has beside its values, with the meaning."""
-    return COUNTS | (EXCESS if noisy(scene) else {})
+    return COUNTS | (EXCESS if scene.is_noisy else {})
 
 
 def members_dataset(

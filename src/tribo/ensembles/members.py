@@ -17,7 +17,6 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from tribo.ensembles.swing_states import DrawnSwings, JointStart, SwingStates, joint_starts
-from tribo.integrators.methods import noisy
 from tribo.model.binding import bound, check_together
 from tribo.model.initial import DISPLACEMENTS, UNITS
 from tribo.model.parameters import FIELD, INTERACTION, is_parameter, with_values
@@ -312,7 +311,7 @@ def sources_of(
 
 def is_random(scene: Scene) -> bool:
     """Whether runs of a scene depend on its seed."""
-    return noisy(scene) or any(
+    return scene.is_noisy or any(
         (s.bath and s.bath.temperature) or s.initial.temperature for s in scene.surfaces
     )
 

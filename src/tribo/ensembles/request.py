@@ -10,7 +10,6 @@ import numpy as np
 from tribo.accuracy.comparison import Accuracy
 from tribo.ensembles.kept_values import Kept
 from tribo.ensembles.members import Variation
-from tribo.integrators.methods import noisy
 from tribo.integrators.own_method import coefficients_of
 from tribo.kernels.status import Status
 from tribo.layout.layout import Layout, lay_out
@@ -54,16 +53,18 @@ class Request(NamedTuple):
             step=step,
             allow_unresolved=self.allow_unresolved or given.allow_unresolved,
         )
-        output = replace(scene.output, keep=None)
-        if self.keep is not None:
-            kinds = with_inputs({name.rpartition(".")[2] for name in self.keep})
-            series = tuple(word for word, names in FURTHER.items() if kinds & names.keys())
-            output = replace(output, series=series)
-            averaged = kinds.intersection(AVERAGED)
-            if self.at == END and not averaged and "forces" not in series:
-                without = output.ledger == "none" and not any(map(needs_accounts, kinds))
-                output = Output(samples=2, series=series, ledger="none" if without else "asperites")
-        return scene.with_settings(output, numerics)
+        return scene.with_settings(self._output(scene.output), numerics)
+
+    def _output(self, given: Output) -> Output:
+        """The times and series that the quantities need."""
+        if self.keep is None:
+            return replace(given, keep=None)
+        kinds = with_inputs({name.rpartition(".")[2] for name in self.keep})
+        series = tuple(word for word, names in FURTHER.items() if kinds & names.keys())
+        if self.at == END and not kinds.intersection(AVERAGED) and "forces" not in series:
+            without = given.ledger == "none" and not any(map(needs_accounts, kinds))
+            return Output(samples=2, series=series, ledger="none" if without else "asperites")
+        return replace(given, keep=None, series=series)
 
     def prepare(self, scene: Scene, recorded: Scene | None = None) -> Simulation:
         """The scene with all members' settings; it may be `recorded` already.
@@ -133,7 +134,7 @@ class Request(NamedTuple):
 
         Paths depend on the steps, and members that keep their ends alone record no samples.
         """
-        if self.keep is None or self.at != END or not noisy(scene):
+        if self.keep is None or self.at != END or not scene.is_noisy:
             return simulation
         intervals = np.diff(scene.times)
         if np.ptp(intervals) > 1e-9 * intervals[0]:

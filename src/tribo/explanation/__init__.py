@@ -14,7 +14,7 @@ from tribo.accuracy.cost_model import pairs_of_bobs
 from tribo.compiler.jit import compilations
 from tribo.compiler.plugin_methods import type_of
 from tribo.explanation.prediction import Predicted, Search, predict, slow_motion
-from tribo.integrators.methods import Method, noisy
+from tribo.integrators.methods import Method
 from tribo.kernels.potential_in_lanes import is_vectorized
 from tribo.layout.layout import Layout, lay_out
 from tribo.ledger.ledger import check_keep
@@ -172,7 +172,8 @@ class Explanation:
         if self.accuracy is not None:
             single = isinstance(self.accuracy, float)
             steps = f"accuracy {f'{self.accuracy:.0e}' if single else 'of observables'}, {steps}"
-        default = "integrates thermal noise" if noisy(self.scene) else "is the default with a step"
+        noisy = self.scene.is_noisy
+        default = "integrates thermal noise" if noisy else "is the default with a step"
         given = "which the scene names" if self.scene.numerics.method else f"which {default}"
         why = f"chosen because {self.why}" if self.why else given
         memory = _in_units(self.predicted.memory_bytes, BYTES)

@@ -252,17 +252,9 @@ for _method in METHODS.values():
     recognize_class(type(_method.coefficients))
 
 
-def noisy(scene: Scene) -> bool:
-    """Whether the scene has thermal noise."""
-    for surface in scene.surfaces:
-        if any(reservoir.warmest > 0.0 for reservoir in surface.reservoirs):
-            return True
-    return False
-
-
 def refusal(method: Method, scene: Scene) -> str | None:
     """Why a method cannot run a scene, as the end of a sentence; None if it can run it."""
-    if noisy(scene) and not method.noise:
+    if scene.is_noisy and not method.noise:
         return f'must be "{NOISY}" where a reservoir has thermal noise, got "{method.name}"'
     allowed = scene.effects_of_positions if method.positions_only else ()
     for effect, why in method.refuses.items():

@@ -30,7 +30,7 @@ class Queue(NamedTuple):
 def queue_of(members: int, lanes: int) -> Queue:
     """So many members, all of which wait, for Python."""
     counts = np.zeros((members, COUNTS), np.int64)
-    return Queue(np.full(lanes, -1), np.zeros(1, np.int64), counts)
+    return Queue(np.zeros(lanes, np.int64) - 1, np.zeros(1, np.int64), counts)
 
 
 @kernel

@@ -80,7 +80,7 @@ def _numbers_of_parts(layout: Layout, index: int) -> dict[str, str]:
     if drive.stage is not None and drive.stage.follows_schedule:
         given = [name for name in given if name != "speed"]
     found = {f"drive.{name}": name for name in given}
-    if any(each.warmest > 0.0 for each in surface.reservoirs):  # so that there is noise
+    if surface.is_noisy:  # so that there is noise
         for each in surface.reservoirs:
             part = reservoir_part(surface, each.on)
             before = "swing_" * (each.on == "swing")

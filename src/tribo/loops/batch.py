@@ -60,7 +60,8 @@ class MemberRuns(NamedTuple):
     @property
     def complete(self) -> np.ndarray:
         """Which members reached the end, (members,)."""
-        return np.asarray(self.counts[:, CODE] == COMPLETED)
+        complete: np.ndarray = self.counts[:, CODE] == COMPLETED
+        return complete
 
     @classmethod
     def of(

@@ -157,8 +157,9 @@ class PairLanes:
         self, scenes: np.ndarray | None, bounds: np.ndarray, starts: np.ndarray
     ) -> tuple[Any, ...]:
         """The arguments of the loop, behind the scene; samples and queue are the last."""
+        members = len(starts)
         memory = np.zeros(self._memory)
-        samples = np.empty((2, len(starts), COLUMNS))
-        queue = queue_of(len(starts), GROUPS * LANES)
+        samples = np.empty((2, members, COLUMNS))
+        queue = queue_of(members, GROUPS * LANES)
         method = self._table, bounds, self._stages
         return scenes, memory, method, starts, samples, queue

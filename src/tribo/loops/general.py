@@ -15,7 +15,7 @@ from tribo.compiler.lanes import LANES
 from tribo.compiler.lanes_memory import room, with_spare_lanes
 from tribo.compiler.team import CLOSED
 from tribo.compiler.unit_errors import keeping, raise_first
-from tribo.integrators.methods import Method, noisy
+from tribo.integrators.methods import Method
 from tribo.integrators.splitting import assist
 from tribo.integrators.step_control import Tolerance
 from tribo.integrators.stiffness import MOVED, WATCH_ROWS
@@ -236,7 +236,7 @@ class GeneralLoop(TimeLoop):
         return sum({id(array): array.nbytes for array in arrays_in(own)}.values())
 
     def stiffness(self) -> Stiffness | None:
-        if self.step is None or not (self._noise and noisy(self.layout.scene)):
+        if self.step is None or not (self._noise and self.layout.scene.is_noisy):
             return None
         steps = int(self.clocks["steps"][0])
         return stiffness_of(self.layout, self.stiffness_sums, steps, self.step)

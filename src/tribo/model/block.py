@@ -37,7 +37,7 @@ def check_block(surface: Any) -> None:
     if surface.initial.temperature:
         problem = "cannot go with drive.block = true unless asperite.kappa = inf: the mass matrix "
         raise InputError("initial.temperature", problem + "of a block depends on its pendulums")
-    if any(reservoir.warmest > 0.0 for reservoir in surface.reservoirs):
+    if surface.is_noisy:
         problem = "must be 0 where drive.block = true unless asperite.kappa = inf: no method here "
         raise InputError("langevin.temperature", problem + "integrates noise on such pendulums")
 
@@ -56,6 +56,6 @@ def _check_tilt(surface: Any) -> None:
         raise InputError("initial.nu", problem)
     if surface.initial.temperature:
         raise InputError("initial.temperature", 'cannot go with drive.tilt = "free"')
-    if any(reservoir.warmest > 0.0 for reservoir in surface.reservoirs):
+    if surface.is_noisy:
         problem = 'must be 0 where drive.tilt = "free": no method here integrates noise on it'
         raise InputError("langevin.temperature", problem)

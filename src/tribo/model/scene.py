@@ -275,12 +275,22 @@ class Scene(ComparedByValue):
         return replace(self, surfaces=tuple(surfaces))
 
     def with_settings(self, output: Output, numerics: Numerics) -> Scene:
-        """The same physics with other settings: all else was checked before."""
-        own = {name: getattr(self, name) for name in field_names(Scene)}
+        """The same physics with other settings: all else was checked before.
+
+        The last one is kept, as ensembles of a scene ask for the same again.
+        """
+        last: Scene | None = vars(self).get("_last_with_settings")
+        if last is not None and (last.output, last.numerics) == (output, numerics):
+            return last
         scene = object.__new__(Scene)
-        vars(scene).update(own, output=output, numerics=numerics)
+        vars(scene).update(self.__getstate__(), output=output, numerics=numerics)
         scene._check_times()
+        vars(self)["_last_with_settings"] = scene
         return scene
+
+    def __getstate__(self) -> dict[str, Any]:
+        """The fields, without what was computed of them."""
+        return {name: getattr(self, name) for name in field_names(Scene)}
 
     @property
     def species(self) -> list[str]:
@@ -317,6 +327,11 @@ class Scene(ComparedByValue):
     def effects(self) -> frozenset[Effect]:
         """The effects that the scene calls for; no other is simulated."""
         return effects_of(self)
+
+    @cached_property
+    def is_noisy(self) -> bool:
+        """Whether the scene has thermal noise."""
+        return any(surface.is_noisy for surface in self.surfaces)
 
     @property
     def effects_of_positions(self) -> frozenset[Effect]:
@@ -404,6 +419,10 @@ class Scene(ComparedByValue):
 
         Raises InputError if the scene has no text, as with a class that is defined in a notebook.
         """
+        return self._text
+
+    @cached_property
+    def _text(self) -> str:
         return toml(self.to_table()).decode("utf-8")
 
     def to_live_html(self, path: object, controls: object = None) -> Path:

@@ -192,7 +192,7 @@ class Surface(ComparedByValue):
             raise InputError("bath", 'cannot go with drive = "moved"')
         if self.reservoir("bar"):
             raise InputError("langevin.on", 'must be "swing" where drive = "moved", got "bar"')
-        if any(reservoir.warmest > 0.0 for reservoir in self.reservoirs):
+        if self.is_noisy:
             problem = 'must be 0 where drive = "moved": no method here integrates noise on it'
             raise InputError("langevin.temperature", problem)
         first = self.drive.first_velocity
@@ -279,6 +279,11 @@ class Surface(ComparedByValue):
     def scan(self) -> Sampled | None:
         """What its scan has at its asperites, and lacks; None without one."""
         return self.heights.sampled if isinstance(self.heights, Topography) else None
+
+    @property
+    def is_noisy(self) -> bool:
+        """Whether one of its reservoirs has thermal noise."""
+        return any(reservoir.warmest > 0.0 for reservoir in self.reservoirs)
 
     @property
     def noisy_forces(self) -> tuple[str, ...]:

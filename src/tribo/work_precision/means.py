@@ -14,7 +14,6 @@ import numpy as np
 from tribo import interrupts
 from tribo.accuracy.scales import reported_scales
 from tribo.ensembles import ensemble
-from tribo.integrators import methods
 from tribo.kernels.status import Status
 from tribo.model.scene import Scene
 from tribo.prepared import Simulation
@@ -187,7 +186,7 @@ def means_precision(
         The attribute ``result`` has the MeansPrecision of the ensembles that ended before, if any
         did.
     """
-    if not methods.noisy(scene):
+    if not scene.is_noisy:
         raise InputError("scene", "must have thermal noise; without it, measure single runs")
     seconds = number("seconds", seconds, POSITIVE, "s")
     simulation = prepare(scene, progress=False)

@@ -83,7 +83,7 @@ def work_precision(
     scene = replace(scene, output=Output(times=tuple(np.linspace(0.0, scene.duration, TIMES))))
     named = [methods.named(name) for name in names] if names else list(methods.METHODS.values())
     taken = [method for method in named if not methods.refusal(method, scene)]
-    if methods.noisy(scene):
+    if scene.is_noisy:
         raise InputError("scene", "has thermal noise, with which no two runs agree; measure means")
     if not taken:
         raise InputError("methods", f"must integrate this scene, got {[m.name for m in named]}")
