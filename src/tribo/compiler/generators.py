@@ -14,6 +14,8 @@ from numba import config, types
 from tribo.compiler.lanes import in_kernels
 from tribo.compiler.numba_private import cgutils
 
+# What a loop takes that draws nothing.
+NO_NOISE = 0
 _COMPILED = not config.DISABLE_JIT  # type: ignore[attr-defined]
 # The members of numpy's C structure `bitgen_t` that numba uses, in its order.
 _MEMBERS = ("state", "fnptr_next_uint64", "fnptr_next_uint32", "fnptr_next_double")

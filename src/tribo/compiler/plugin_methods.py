@@ -72,7 +72,7 @@ METHOD_ARGUMENTS = {
 # How they are compiled, since they may call functions that make arrays; and the methods of
 # integration methods: see :mod:`tribo.integrators.time_loops`.
 _OPTIONS = {name: {**LINKED, **COUNTED} for name in METHOD_ARGUMENTS}
-_OPTIONS |= {"step": KERNEL, "trial": KERNEL}
+_OPTIONS |= dict.fromkeys(("begin", "step", "arrive", "stays_finite", "trial"), KERNEL)
 
 # Classes whose instances numba types by :func:`plugin_type`.
 _recognized: set[Any] = set()

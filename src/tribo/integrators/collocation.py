@@ -16,8 +16,8 @@ import numpy as np
 
 from tribo.compiler.jit import expanded, kernel
 from tribo.compiler.lanes_memory import room
+from tribo.integrators import step_control as control
 from tribo.integrators.linear_combinations import add, add_twice, combine, combine_twice, largest
-from tribo.integrators.step_control import EPSILON, all_finite, evaluate_rates
 from tribo.kernels.equations_of_motion import equations_of_motion
 from tribo.kernels.model import Model
 from tribo.kernels.packs import halves
@@ -74,7 +74,11 @@ class Collocation(NamedTuple):
         powers = room((count, state.s.size))
         return Nodes(room((count, n)), powers, room((2 * n,)), room((n,)), room((n,)))
 
-    def step(self, model, neighbours, clock, h, end, state, work):
+    begin = control.begin
+    arrive = control.arrive
+    stays_finite = control.stays_finite
+
+    def step(self, model, neighbours, clock, h, end, state, work, noise):
         """Advance the state to the time `end`, the polynomial found to round-off."""
         set_round_off(state, h, work.unit)
         copy(state.acceleration, work.accelerations[0])
@@ -90,12 +94,12 @@ class Collocation(NamedTuple):
         h = attempt.h
         n = state.acceleration.size
         for m in range(n, 2 * n):  # not less than the round-off of each velocity
-            work.unit[m - n] = tolerance.y[m] + 2.0 * EPSILON * abs(state.y[m])
+            work.unit[m - n] = tolerance.y[m] + 2.0 * control.EPSILON * abs(state.y[m])
         copy(state.acceleration, work.accelerations[0])
         copy(state.power, work.powers[0])
         limits = SWEEP_TOLERANCE, 1.0
         if not solve(self, model, neighbours, clock, h, state, work, limits):
-            return math.inf, all_finite(work.acceleration)
+            return math.inf, control.all_finite(work.acceleration)
         evaluate_powers(self, model, neighbours, clock, h, state, work)
         error = estimate_error(self, h, state, work, tolerance)
         if error <= 1.0:
@@ -114,7 +118,7 @@ def set_round_off(state, h, unit):
         velocity = max(velocity, abs(state.y[n + m]))
         acceleration = max(acceleration, abs(state.acceleration[m]))
     for m in range(n):
-        unit[m] = EPSILON * (velocity + h * acceleration) + SMALLEST
+        unit[m] = control.EPSILON * (velocity + h * acceleration) + SMALLEST
 
 
 @kernel
@@ -225,5 +229,5 @@ def complete_step(method, model, neighbours, clock, h, end, state, work):
     add(state.y[n:], state.y_low[n:], h, method.v, f)
     add(state.s, state.s_low, h, method.v, work.powers)
     copy_rows(f, state.memory)
-    evaluate_rates(model, neighbours, end, state.y, state.acceleration, state.power)
+    control.evaluate_rates(model, neighbours, end, state.y, state.acceleration, state.power)
     clock.evaluations += 1

@@ -11,7 +11,7 @@ from tribo.integrators.coefficient_files import read
 from tribo.integrators.collocation import Collocation
 from tribo.integrators.nystrom import Nystrom
 from tribo.integrators.runge_kutta import RungeKutta
-from tribo.integrators.splitting import Splitting, alternating, composed, splitting_steps
+from tribo.integrators.splitting import Splitting, alternating, composed
 from tribo.model.scene import Scene
 from tribo.validation import InputError, choice
 
@@ -113,8 +113,6 @@ class Method:
 
     @property
     def loop(self) -> Callable[..., int]:
-        if self.splits:
-            return splitting_steps
         return time_loops.adaptive_steps if self.adaptive else time_loops.equal_steps
 
 

@@ -11,8 +11,8 @@ import numpy as np
 
 from tribo.compiler.jit import expanded
 from tribo.compiler.lanes_memory import room
+from tribo.integrators import step_control as control
 from tribo.integrators.linear_combinations import add, combine, largest
-from tribo.integrators.step_control import MAX_GROWTH, evaluate_rates
 from tribo.kernels.model import Model
 from tribo.kernels.samples import State, copy, copy_state
 from tribo.kernels.status import COMPLETED
@@ -40,7 +40,7 @@ class RungeKutta(NamedTuple):
     e5: Any = None  # (stages,)
     e3: Any = None  # (stages,)
     order: float = 8.0  # of the combined error estimate as a power of h
-    most_growth: float = MAX_GROWTH
+    most_growth: float = control.MAX_GROWTH
 
     def workspace(self, model: Model, state: State) -> Stages:
         """Arrays for the stages of a step."""
@@ -49,7 +49,11 @@ class RungeKutta(NamedTuple):
         accounts = state.s.size
         return Stages(room((stages, coordinates)), room((stages, accounts)), room((coordinates,)))
 
-    def step(self, model, neighbours, clock, h, end, state, work):
+    begin = control.begin
+    arrive = control.arrive
+    stays_finite = control.stays_finite
+
+    def step(self, model, neighbours, clock, h, end, state, work, noise):
         """Advance the state to the time `end`."""
         evaluate_stages(self, model, neighbours, clock, h, state, work)
         complete_step(self, model, neighbours, clock, h, end, state, work)
@@ -85,7 +89,7 @@ def evaluate_stages(method, model, neighbours, clock, h, state, work):
         combine(state.y, h, method.a[i][:i], work.derivatives, y)
         derivative = work.derivatives[i]
         copy(y[n:], derivative[:n])
-        evaluate_rates(
+        control.evaluate_rates(
             model, neighbours, clock.t + method.c[i] * h, y, derivative[n:], work.powers[i]
         )
     clock.evaluations += method.b.size - 1
@@ -96,7 +100,7 @@ def complete_step(method, model, neighbours, clock, h, end, state, work):
     """From the state at the start of the step to the state at its end, in place."""
     add(state.y, state.y_low, h, method.b, work.derivatives)
     add(state.s, state.s_low, h, method.b, work.powers)
-    evaluate_rates(model, neighbours, end, state.y, state.acceleration, state.power)
+    control.evaluate_rates(model, neighbours, end, state.y, state.acceleration, state.power)
     clock.evaluations += 1
 
 

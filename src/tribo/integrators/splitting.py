@@ -65,7 +65,6 @@ class Work(NamedTuple):
     acceleration: np.ndarray  # (coordinates,)
     middle: np.ndarray  # (coordinates,) velocities in the middle of a kick
     before: np.ndarray  # (coordinates,) and before it; empty where there are no reservoirs
-    speeds: np.ndarray  # (3, asperites)
     rotations: np.ndarray  # (1, 3, asperites + 8), see `set_rotations`
     bath: np.ndarray  # (kicks, 3, oscillators + 8), since rotations take longer than their use
     torsional: np.ndarray
@@ -89,13 +88,36 @@ class Splitting(NamedTuple):
             room((n,)),
             room((n,)),
             room((n if damped else 0,)),
-            room((3, model.each.shape[1])),
             empty_rotations(model.constants, 1),
             empty_rotations(model.bath, self.kicks.size),
             empty_rotations(model.torsional, self.kicks.size),
             substep=substep,
             twice=substep and not custom,
         )
+
+    def begin(self, model, neighbours, clock, state, work, speeds):
+        """What the first step needs, see :mod:`tribo.integrators.time_loops`; a status."""
+        return begin(model, neighbours, clock, state, work, speeds)
+
+    def step(self, model, neighbours, clock, h, end, state, work, noise):
+        """The drifts and kicks of a step, but for its last drift, which is left.
+
+        It is done together with the one that begins the next, or for a sample.  `noise` is the
+        argument of a random generator.
+        """
+        take_step(model, neighbours, self, clock, h, state, work, noise)
+        return COMPLETED
+
+    def arrive(self, model, neighbours, clock, state, work):
+        """Do the drift that the last step left."""
+        arrive(model, neighbours, clock, state, work)
+
+    def stays_finite(self, model, state, updated):
+        """Whether velocities are finite, which is asked where the encounter rate was `updated`.
+
+        Whatever is not finite reaches the velocities of the asperites within a step.
+        """
+        return not updated or control.all_finite(packs.halves(state.y)[1][: model.core])
 
 
 def composed(*first: float) -> Splitting:
@@ -239,7 +261,7 @@ def step_piece(model, neighbours, team, number, state, work):
 
 
 def assist(model, neighbours, state, work):
-    """Compute pieces of the steps of :func:`splitting_steps` until the team is closed."""
+    """Compute pieces of the steps of another thread's loop until the team is closed."""
     team = model.team
     rank = teams.next_rank(team)
     piece = teams.wait_for_piece(team, rank)
@@ -255,15 +277,21 @@ def assist(model, neighbours, state, work):
 
 
 @apart
-def begin(model, neighbours, clock, state, work):
-    """The encounter rate and the works of the ends at the start of a run; a status."""
-    q = packs.halves(state.y)[0]
+def begin(model, neighbours, clock, state, work, speeds):
+    """What a call of a loop begins with, and at the start of a run the encounter rate; a status."""
+    work.rotations[0, 0, model.constants.shape[1]] = np.nan  # other packs may have become active
+    packs.clear(model.friction)
+    packs.clear(model.swing_friction)
+    q, v = packs.halves(state.y)
+    set_bath_momenta(model, v)
+    if clock.evaluations > 0:
+        return COMPLETED
     place_bobs(model, broadcast(clock.t), q)
     if is_empty(neighbours):
         make_lists(model, neighbours, clock.t, state)
     if crowded(neighbours):
         return PAUSED
-    rate, closest = control.current_encounter(model, neighbours, clock.t, state.y, work.speeds)
+    rate, closest = control.current_encounter(model, neighbours, clock.t, state.y, speeds)
     if closest == 0.0:
         return BOBS_COINCIDE
     clock.encounter_rate = rate
@@ -306,43 +334,3 @@ def take_step(model, neighbours, splitting, clock, h, state, work, noise):
         else:
             kick(model, neighbours, WHOLE, t, tau, state, work)
     clock.drift_lag = splitting.drifts[splitting.kicks.size] * h
-
-
-def splitting_steps(
-    model, neighbours, splitting, step, clocks, state, times, record, budget, noise, work
-):
-    """Integrate through the sample times in equal steps of at most `step`; return a status.
-
-    PAUSED after `budget` steps: call again to continue.  The drift that ends a step is done
-    together with the one that begins the next.  `noise` is the argument of a random generator.
-    """
-    clock = clocks[0]
-    splitting, times = pointers((splitting, times))
-    last = times[times.size - 1]
-    work.rotations[0, 0, model.constants.shape[1]] = np.nan  # other packs may have become active
-    packs.clear(model.friction)
-    packs.clear(model.swing_friction)
-    set_bath_momenta(model, packs.halves(state.y)[1])
-    if clock.evaluations == 0:
-        status = begin(model, neighbours, clock, state, work)
-        if status != COMPLETED:
-            return status
-    for _ in range(budget):
-        if crowded(neighbours):
-            return PAUSED
-        if clock.sample < times.size and control.time_left(clock, times[clock.sample]) <= 0.0:
-            arrive(model, neighbours, clock, state, work)
-        left = control.record_due(model, neighbours, clock, state, times, record)
-        if left == 0.0:
-            return COMPLETED if control.all_finite(state.y) else NOT_FINITE
-        h, landing = control.equal_step(clock, left, step)
-        status = control.equal_step_status(clock, h, last)
-        if status != COMPLETED:
-            return status
-        take_step(model, neighbours, splitting, clock, h, state, work, noise)
-        control.advance_equally(clock, times[clock.sample], h, landing)
-        updated = control.update_encounter(model, neighbours, clock, state.y, work.speeds, h)
-        # Whatever is not finite reaches the velocities of the asperites within a step.
-        if updated and not control.all_finite(packs.halves(state.y)[1][: model.core]):
-            return NOT_FINITE
-    return PAUSED

@@ -162,7 +162,19 @@ def watch_encounters(model, neighbours, t, y, speeds, watch, h, all_of_them):
 
 
 def splitting_members(
-    model, neighbours, splitting, step, clocks, state, times, record, budget, watch, noise, work
+    model,
+    neighbours,
+    splitting,
+    step,
+    clocks,
+    state,
+    times,
+    record,
+    budget,
+    watch,
+    noise,
+    work,
+    speeds,
 ):
     """Integrate eight members through the sample times in equal steps of at most `step`.
 
@@ -181,7 +193,7 @@ def splitting_members(
     set_bath_momenta(model, v)
     if clock.evaluations == 0:
         place_bobs(model, broadcast(clock.t), q)
-        watch_encounters(model, neighbours, clock.t, state.y, work.speeds, watch, 0.0, True)
+        watch_encounters(model, neighbours, clock.t, state.y, speeds, watch, 0.0, True)
         begin_end_works(model, q, state.memory[0])
     for done in range(budget + 1):
         left = control.time_left(clock, times[clock.sample])
@@ -208,5 +220,5 @@ def splitting_members(
         for lane in range(LANES):
             watch[AGE, lane] += h
         every = clock.steps % control.UPDATE_INTERVAL == 0
-        watch_encounters(model, neighbours, clock.t, state.y, work.speeds, watch, h, every)
+        watch_encounters(model, neighbours, clock.t, state.y, speeds, watch, h, every)
     return PAUSED

@@ -242,8 +242,8 @@ class GeneralMembers(GeneralLoop, RecordingLoop):
             self.forget()
             self.forget_neighbours()
             self.state.y[self._places] = starts.y[m]
-            if self._noise:
-                self._noise = (np.random.default_rng([int(starts.seeds[m]), 2]),)
+            if self._noise is not None:
+                self._noise = np.random.default_rng([int(starts.seeds[m]), 2])
             count[CODE] = self._to_end(own)
             if sums.size:
                 sums[m] = self.stiffness_sums

@@ -8,7 +8,7 @@ from typing import Any
 
 import numpy as np
 
-from tribo.compiler.generators import as_argument
+from tribo.compiler.generators import NO_NOISE, as_argument
 from tribo.compiler.jit import EntryPoint, LoopJob, kind_of, undisturbed
 from tribo.compiler.kept import Kept, keep, keep_like
 from tribo.compiler.lanes import LANES
@@ -99,13 +99,12 @@ class GeneralLoop(TimeLoop):
         core = places.q[: layout.core]
         # Where the coordinates and accounts of samples stand in the state.
         self.recorded = np.concatenate([core, coordinates + core]), places.s
-        self._noise: tuple[np.random.Generator, ...] = ()
+        self._noise: np.random.Generator | None = None
         work = method.coefficients.workspace(self.model, self.state)
         if method.splits:
-            self._noise = (np.random.default_rng([layout.scene.seed, 2]),)
+            self._noise = np.random.default_rng([layout.scene.seed, 2])
         speeds = room((3, self.model.each.shape[1]))
-        self._scratch: tuple[tuple[Any, ...] | np.ndarray, ...]
-        self._scratch = (work,) if method.splits else (work, speeds)
+        self._scratch: tuple[tuple[Any, ...] | np.ndarray, ...] = (work, speeds)
         if method.adaptive:
             self._scratch += (empty_state(self.state),)
         self._constants = method.coefficients, keep(in_packs(setting, layout))
@@ -180,7 +179,7 @@ class GeneralLoop(TimeLoop):
 
         Steps about reservoirs and baths read the generator all the same, there at address 0.
         """
-        return self._kept, *self._arguments(times, columns, budget, (0,) * len(self._noise))
+        return self._kept, *self._arguments(times, columns, budget, NO_NOISE)
 
     @property
     def neighbours(self) -> Neighbours:
@@ -195,7 +194,7 @@ class GeneralLoop(TimeLoop):
             self._set_neighbours(self._neighbours._replace(index=np.zeros(size, np.int32)))
 
     def _arguments(
-        self, times: np.ndarray, columns: Columns, budget: int, noise: tuple[int, ...] = ()
+        self, times: np.ndarray, columns: Columns, budget: int, noise: Any = None
     ) -> tuple[Any, ...]:
         """The arguments of the loop, behind the model; `noise` in place of its own generator."""
         self._make_room()
@@ -204,8 +203,11 @@ class GeneralLoop(TimeLoop):
             self._record = keep(Record(*columns, *self.recorded))  # type: ignore[call-arg]
         state, *scratch = self._held
         run = self.clocks, state, times, self._record, budget
-        drawn_from = noise or map(as_argument, self._noise)
-        return self._lists, *self._constants, *run, *drawn_from, *scratch
+        if self.adaptive:
+            return self._lists, *self._constants, *run, *scratch
+        if noise is None:
+            noise = NO_NOISE if self._noise is None else as_argument(self._noise)
+        return self._lists, *self._constants, *run, noise, *scratch
 
     def _make_room(self) -> None:
         """Give the list of neighbours more room if it has too little."""
@@ -236,7 +238,7 @@ class GeneralLoop(TimeLoop):
         return sum({id(array): array.nbytes for array in arrays_in(own)}.values())
 
     def stiffness(self) -> Stiffness | None:
-        if self.step is None or not (self._noise and self.layout.scene.is_noisy):
+        if self.step is None or self._noise is None or not self.layout.scene.is_noisy:
             return None
         steps = int(self.clocks["steps"][0])
         return stiffness_of(self.layout, self.stiffness_sums, steps, self.step)
@@ -257,8 +259,8 @@ class GeneralLoop(TimeLoop):
             if self._neighbours.active.packs.size > 0:
                 for key, name in SELECTION.items():
                     memory[key] = getattr(self._neighbours.active, name)
-        if self._noise:
-            text = json.dumps(self._noise[0].bit_generator.state)
+        if self._noise is not None:
+            text = json.dumps(self._noise.bit_generator.state)
             memory["noise"] = np.frombuffer(text.encode(), np.uint8)
         return memory
 
@@ -278,8 +280,8 @@ class GeneralLoop(TimeLoop):
 
     def restore_noise(self, memory: Memory) -> None:
         """Draw the random numbers that follow those drawn before, if any were and are drawn."""
-        for generator in self._noise if "noise" in memory else ():
-            generator.bit_generator.state = json.loads(memory["noise"].tobytes())
+        if self._noise is not None and "noise" in memory:
+            self._noise.bit_generator.state = json.loads(memory["noise"].tobytes())
 
     def samples(self, times: np.ndarray, columns: Columns) -> Samples:
         return Samples(times, *(column[: times.size] for column in columns))

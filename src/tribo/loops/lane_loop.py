@@ -236,8 +236,9 @@ class SplittingLanes(LaneLoop):
         """Keep one clock for all lanes and count deviates of a step, and compile the loop."""
         self._clocks = np.zeros(1, CLOCK).view(np.recarray)
         watch = room((WATCHED, LANES))
-        self._state, self._work, self._watch = self.keep(
-            (self._state, self._work, watch), [self._clocks]
+        speeds = room((3, self.eight.model.each.shape[1]))
+        self._state, self._work, self._watch, self._speeds = self.keep(
+            (self._state, self._work, watch, speeds), [self._clocks]
         )
         nothing = Deviates(np.empty((0, LANES)), np.zeros(1, np.int64))
         fulfil(step_units(self.eight.model, self._state, self._work, nothing, listed=False))
@@ -320,7 +321,8 @@ class SplittingLanes(LaneLoop):
         record = self.record(columns)
         run = self._clocks, state, times, record, budget
         noise = Deviates(deviates, np.zeros(1, np.int64))
-        return self.coefficients, step, *run, self._watch, noise, keep(self._work)
+        scratch = keep(self._work), self._speeds
+        return self.coefficients, step, *run, self._watch, noise, *scratch
 
 
 def deviates_of_substep(layout: Layout) -> int:
