@@ -89,7 +89,11 @@ def _scales(
 
 
 def _in_units(
-    accuracy: Mapping[str, float], scales: Scales, names: tuple[str, ...], gaps: np.ndarray, members: int
+    accuracy: Mapping[str, float],
+    scales: Scales,
+    names: tuple[str, ...],
+    gaps: np.ndarray,
+    members: int,
 ) -> np.ndarray:
     """The largest of differences (names, runs x members) in their units, (runs, members)."""
     places = [place for place, name in enumerate(names) if name in accuracy]

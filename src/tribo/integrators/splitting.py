@@ -23,7 +23,6 @@ from tribo.compiler import team as teams
 from tribo.compiler.jit import apart, inlined
 from tribo.compiler.lanes import broadcast, sum_of_lanes
 from tribo.compiler.lanes_memory import room
-from tribo.compiler.pointers import pointers
 from tribo.compiler.units import call_unit
 from tribo.integrators import step_control as control
 from tribo.integrators.drift import begin_end_works, drift_pack, settle_end_works
@@ -55,7 +54,7 @@ from tribo.kernels.model import Model
 from tribo.kernels.neighbours import crowded, has_lists, have_moved, is_empty, list_chunk
 from tribo.kernels.powers import shared_powers
 from tribo.kernels.samples import State
-from tribo.kernels.status import BOBS_COINCIDE, COMPLETED, NOT_FINITE, PAUSED
+from tribo.kernels.status import BOBS_COINCIDE, COMPLETED, PAUSED
 from tribo.kernels.user_forces import has_customs
 
 

@@ -164,7 +164,7 @@ def watch_encounters(model, neighbours, t, y, speeds, watch, h, all_of_them):
 def splitting_members(
     model,
     neighbours,
-    splitting,
+    method,
     step,
     clocks,
     state,
@@ -184,7 +184,7 @@ def splitting_members(
     second, and so on.
     """
     clock = clocks[0]
-    splitting, times, watch, noise = pointers((splitting, times, watch, noise))
+    method, times, watch, noise = pointers((method, times, watch, noise))
     last = times[times.size - 1]
     rows = record.contact.size // LANES  # of a member; `times` may end before them
     q, v = halves(state.y)
@@ -215,7 +215,7 @@ def splitting_members(
         for lane in range(LANES):
             if h * watch[RATE, lane] > 1.0:
                 watch[LOST, lane] = 1.0
-        take_step(model, neighbours, splitting, clock, h, state, work, noise)
+        take_step(model, neighbours, method, clock, h, state, work, noise)
         control.advance_equally(clock, times[clock.sample], h, landing)
         for lane in range(LANES):
             watch[AGE, lane] += h

@@ -237,8 +237,8 @@ class SplittingLanes(LaneLoop):
         self._clocks = np.zeros(1, CLOCK).view(np.recarray)
         watch = room((WATCHED, LANES))
         speeds = room((3, self.eight.model.each.shape[1]))
-        self._state, self._work, self._watch, self._speeds = self.keep(
-            (self._state, self._work, watch, speeds), [self._clocks]
+        self._state, self._watch, *self._scratch = self.keep(
+            (self._state, watch, self._work, speeds), [self._clocks]
         )
         nothing = Deviates(np.empty((0, LANES)), np.zeros(1, np.int64))
         fulfil(step_units(self.eight.model, self._state, self._work, nothing, listed=False))
@@ -321,8 +321,7 @@ class SplittingLanes(LaneLoop):
         record = self.record(columns)
         run = self._clocks, state, times, record, budget
         noise = Deviates(deviates, np.zeros(1, np.int64))
-        scratch = keep(self._work), self._speeds
-        return self.coefficients, step, *run, self._watch, noise, *scratch
+        return self.coefficients, step, *run, self._watch, noise, *map(keep, self._scratch)
 
 
 def deviates_of_substep(layout: Layout) -> int:
