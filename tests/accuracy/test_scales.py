@@ -48,7 +48,7 @@ def scene(bars: str) -> tribo.Scene:
 @pytest.mark.parametrize("bars", TURNING)
 def test_tolerance_scales_are_those_of_the_ledger(bars):
     """Rate, torsion and internal energy as the ledger of the same samples has them."""
-    simulation = tribo.prepare(scene(bars), method="dop853", step=None, accuracy=1e-6)
+    simulation = tribo.prepare(scene(bars), method="dop853", accuracy=1e-6)
     samples, layout = simulation.finest.samples, simulation.layout
     scales, books = tolerance_scales(layout, samples), assemble(layout, samples)
     assert scales.rate == reported_scales(layout, books).rate
@@ -257,3 +257,26 @@ def test_a_further_quantity_changes_no_bound(monkeypatch):
         assert before.met and after.met and before.cost.steps == after.cost.steps
     finally:
         reported.cache_clear()
+
+
+def test_scales_on_driven_bars_do_not_depend_on_the_unit_of_length():
+    """Powers of two scale all numbers of a scene exactly, and with them what tolerances are of."""
+
+    def scales(length):
+        energy = length**2  # with masses and times of 1
+        asperite = {"kappa": 2.0 * energy, "i2": energy}
+        asperite |= {"length": 1.5 * length, "bar_length": 2.0 * length}
+        langevin = {"gamma": 0.3 * energy, "temperature": 0.0, "on": "swing"}
+        parts = {"asperite": asperite, "langevin": langevin, "drive": "bars"}
+        place = {"bob": (0.0, 1.2 * length), "velocity": (0.5 * length, 0.0)}
+        surfaces = [
+            tribo.Surface("upper", **place, **parts),
+            tribo.Surface("lower", facing="up", **parts),
+        ]
+        scene = tribo.Scene(surfaces, tribo.Morse(0.2 * energy, 2.0 / length, length), 6.0)
+        prepared = tribo.prepare(scene, method="dop853", accuracy=1e-6)
+        found = tolerance_scales(prepared.layout, prepared.plan.tuned.runs[-1].samples)
+        return found.energy / energy, found.impulse / length, found.velocity / length, found.rate
+
+    for length in (2.0**10, 2.0**-20):
+        np.testing.assert_allclose(scales(length), scales(1.0), rtol=1e-4)

@@ -180,6 +180,37 @@ def test_changed_schedule_begins():
     np.testing.assert_allclose(then["tip"]["e_pull"], wanted, atol=1e-9)
 
 
+@pytest.mark.parametrize("change", [0.0, 1e-12])
+def test_unchanged_schedules_go_on(change):
+    """A modulation beside another amplitude, and a push along one axis beside another push."""
+    field = {"kind": "corrugation", "amplitude": 0.05, "period": 1.0, "on": ["tip"]}
+    corrugated = tribo.Pulled(stiffness=1.0, speed=0.1)
+    pushed = tribo.Pushed(force=(0.1, [[0, 0], [10, 1]]), rate=(0.02, 0.0))
+
+    def scene(drive, duration, fields=()):
+        tip = tribo.Surface("tip", asperite={"kappa": np.inf}, drive=drive)
+        output = tribo.Output(samples=3, series=("forces", "energies"))
+        return tribo.Scene([tip], [], duration, fields=fields, output=output)
+
+    def both(drive, changed, fields=(), changed_fields=()):
+        first = tribo.simulate(scene(drive, 5.0, fields), accuracy=1e-9)
+        then = scene(changed, 10.0, changed_fields)
+        return first, tribo.simulate(then, accuracy=1e-8, start=first.state())
+
+    one, other = (
+        field | {"amplitude": amplitude, "modulation": [[0, 0.1], [10, 1]]}
+        for amplitude in (0.05, 0.05 * (1.0 + change))
+    )
+    first, then = both(corrugated, corrugated, [one], [other])
+    energy = "field_energy"
+    np.testing.assert_allclose(then.system[energy][0], first.system[energy][-1], rtol=1e-9)
+    first, then = both(pushed, replace(pushed, force=(0.1 + change, pushed.force[1])))
+    np.testing.assert_allclose(then["tip"].f2_y[:, 0], [0.5, 1.0], rtol=1e-12)
+    # The ramp along x is another one then, and begins with the run.
+    wanted = [0.2, 0.3] if change == 0.0 else [0.1, 0.2]
+    np.testing.assert_allclose(then["tip"].f2_x[:, 0], wanted, rtol=1e-9)
+
+
 @pytest.mark.parametrize("kind", ["steps", "linear"])
 def test_temperature(kind):
     """<v^2> of free masses whose reservoir is heated: the closed form of an Ornstein-Uhlenbeck."""

@@ -49,6 +49,28 @@ def test_short_series_have_no_interval():
     assert np.isnan(slow.half_width) and slow.note
 
 
+@pytest.mark.parametrize("samples", [2 * FUNCTIONS, 28, 30])
+def test_few_samples_have_an_interval(samples):
+    """White noise is not correlated, however few its samples are."""
+    rng = np.random.default_rng(5)
+    t = np.arange(samples)
+    found = [tribo.time_average(t, rng.standard_normal(samples), 0.0) for _ in range(200)]
+    widths = np.array([each.half_width for each in found])
+    assert np.mean(np.isfinite(widths)) >= 0.9
+    assert np.nanmedian(widths) * np.sqrt(samples) < 4.0
+
+
+@pytest.mark.parametrize("unit", [2.0**-40, 2.0**-200, 2.0**100])
+def test_units_do_not_matter(unit):
+    """Powers of two change no digit of the values."""
+    t = np.arange(400.0)
+    values = np.random.default_rng(2).standard_normal(400) + 0.1 * t / 400.0
+    one = tribo.time_average(t, values, 0.0)
+    other = tribo.time_average(t, unit * values, 0.0)
+    for name in ("mean", "half_width", "weighted_half_width", "spread"):
+        assert getattr(other, name) / unit == pytest.approx(getattr(one, name), rel=1e-9)
+
+
 @pytest.mark.parametrize("value", [0.0, 0.3, -7e80])
 @pytest.mark.parametrize("samples", [4, 100_000])
 def test_a_constant_is_its_average(value, samples):

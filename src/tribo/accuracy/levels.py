@@ -9,6 +9,7 @@ from tribo.accuracy.scales import largest, length_scale, resolved
 from tribo.integrators.methods import Method
 from tribo.integrators.step_control import Tolerance
 from tribo.kernels.kinematics import rod_velocity
+from tribo.kernels.records import BARS
 from tribo.layout.layout import Layout, once_per_layout
 from tribo.layout.span import Span
 from tribo.ledger.accounts import account_columns
@@ -36,7 +37,8 @@ IMPULSES = {
     "acc_field": (0, 1),
     "acc_thermal": (0, 1),
 }
-# Places of integrals that have no factor of the arm's length yet.
+# Places of integrals that have no factor of the arm's length yet; that of the drive of driven bars
+# is a work, which the ledger finds (`ledger.motion.add_reactions`).
 WITHOUT_ARM = {"acc_contact": (2, 3), "acc_drive": (2,)}
 # Level of the fine run relative to the coarse ones; its error is about this part of the difference.
 # Errors of adaptive steps differ by chance: of 600 random pairs of asperites 2.3 % had errors above
@@ -145,6 +147,7 @@ def _account_weights(layout: Layout) -> np.ndarray:
     span = layout.accounted
     a = span.asperites
     length = a.l1 + a.l2
+    driven = layout.surfaces["drive"][a.surface] == BARS
     for name, offsets in IMPULSES.items():
         if name not in span.present:
             continue
@@ -152,8 +155,9 @@ def _account_weights(layout: Layout) -> np.ndarray:
         present = slots >= 0
         for k in offsets:
             weights[(slots + k * a.stride)[present]] = 0.0
+        armed = present & ~driven if name == "acc_drive" else present
         for k in WITHOUT_ARM.get(name, ()):
-            weights[(slots + k * a.stride)[present]] = length[present]
+            weights[(slots + k * a.stride)[armed]] = length[armed]
     return weights
 
 

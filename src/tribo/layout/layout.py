@@ -183,15 +183,14 @@ class Layout:
         count = len(self.scene.surfaces)
         surfaces = model.surfaces.copy()
         surfaces.anchor = anchors[:count, 0]
-        since = begun[:count, BEGUN.index("drive")]
-        surfaces.push -= surfaces.push_rate * since
-        surfaces.load -= surfaces.load_rate * since
+        surfaces.push -= surfaces.push_rate * begun[:count, BEGUN.index("push_x")]
+        surfaces.load -= surfaces.load_rate * begun[:count, BEGUN.index("push_y")]
         own = model.own
         if own is not None:
             own = own.copy()
             for surface in surfaces:
                 own[records.OWN_LOAD, surface.start : surface.end] = surface.load
-        drives = _begun_at(model.drives, since)
+        drives = _begun_at(model.drives, begun[:, BEGUN.index("drive")])
         ends = _begun_at(model.ends, begun[:, BEGUN.index("ends")])
         fields = zip(
             model.fields or (),

@@ -20,10 +20,11 @@ from tribo.model.surface import Surface
 
 # Times that differ by less than this fraction of the duration are one.
 SAME = 1e-12
-# What has a time of its own, in the columns of `Layout.begun`: drives, a user's forces on ends,
-# stages, loads, and the reservoirs on bars and swings.  Rows are those of surfaces, then of fields,
-# which have the last column.
-BEGUN = ("drive", "ends", "stage", "load", "heat", "swing_heat", "field")
+# What has a time of its own, in the columns of `Layout.begun`.  Of surfaces: a user's drives and
+# forces on ends, stages, loads, the reservoirs on bars and swings, and pushes along x and y.  Of
+# fields, whose rows follow those: a user's energy that depends on time, and modulations.
+OF_SURFACES = ("drive", "ends", "stage", "load", "heat", "swing_heat", "push_x", "push_y")
+BEGUN = (*OF_SURFACES, "field", "modulation")
 
 
 class Scheduled(NamedTuple):
@@ -72,7 +73,7 @@ def scheduled_numbers(scene: Scene) -> tuple[Scheduled, ...]:
     for k, item in enumerate(scene.fields):
         if item.modulation is not None:
             row = len(scene.surfaces) + k
-            numbers.append(Scheduled(row, "modulation", item.modulation, "field", field=k))
+            numbers.append(Scheduled(row, "modulation", item.modulation, "modulation", field=k))
     return tuple(numbers)
 
 
@@ -88,9 +89,10 @@ def _of_surface(index: int, surface: Surface) -> Iterator[Scheduled]:
         yield Scheduled(index, "stage", relative, "stage", is_integral=True)
     if changes(drive.load):
         yield Scheduled(index, "load", drive.load.times(-surface.facing_sign * share), "load")
-    for name, number in zip(("push", "load"), drive.along_axes, strict=True):
+    pushes = zip(("push", "load"), drive.along_axes, ("push_x", "push_y"), strict=True)
+    for name, number, clock in pushes:
         if changes(number):
-            yield Scheduled(index, name, number.times(share), "drive")
+            yield Scheduled(index, name, number.times(share), clock)
     for reservoir in surface.reservoirs:
         if changes(reservoir.temperature):
             name = "swing_heat" if reservoir.on == "swing" else "heat"

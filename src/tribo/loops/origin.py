@@ -15,6 +15,7 @@ from tribo.loops.fitted_scene import fitted
 from tribo.loops.fitted_start import fitted_start
 from tribo.loops.general import GeneralLoop
 from tribo.loops.saved_state import MOTIONS, OF_BATHS, State
+from tribo.model.drives import Pushed
 from tribo.model.identity import first_difference, loaded, plain_table, version
 from tribo.model.scene import Scene
 from tribo.validation import InputError
@@ -257,17 +258,24 @@ def _begun(layout: Layout, state: State, old: dict[str, Any], new: dict[str, Any
     fields = new.get("field", [])
     first_before = len(old["surface"])
     first = len(new["surface"])
-    at = BEGUN.index("field")
+    at, modulated = BEGUN.index("field"), BEGUN.index("modulation")
     found = _known_fields(fields_before, fields, state.phases[first_before:])
     for k, (known, field) in enumerate(zip(found, fields, strict=True)):
-        if known is not None and _is_same_but_for_velocity(fields_before[known], field):
-            begun[first + k, at] = state.begun[first_before + known, at]
+        if known is None:
+            continue
+        since = state.begun[first_before + known]
+        if _is_same_but_for_velocity(fields_before[known], field):
+            begun[first + k, at] = since[at]
+        if fields_before[known].get("modulation") == field.get("modulation"):
+            begun[first + k, modulated] = since[modulated]
     return begun
 
 
 def _timed(surface: dict[str, Any]) -> dict[str, object]:
-    """What depends on time in the table of a surface, by the names in `BEGUN`."""
+    """What depends on time in the table of a surface, by the names in `OF_SURFACES`."""
     drive = surface["drive"]
+    pushes = zip(drive["force"], drive["rate"], strict=True) if drive["kind"] == Pushed.kind else ()
+    push_x, push_y = tuple(pushes) or (None, None)
     given = surface.get("langevin", [])
     reservoirs = given if isinstance(given, list) else [given]
     warm = {each["on"]: each["temperature"] for each in reservoirs}
@@ -278,4 +286,6 @@ def _timed(surface: dict[str, Any]) -> dict[str, object]:
         "load": drive.get("load"),
         "heat": warm.get("bar"),
         "swing_heat": warm.get("swing"),
+        "push_x": push_x,
+        "push_y": push_y,
     }

@@ -55,10 +55,11 @@ class State:
         present velocities all the time; zero unless a velocity was changed between two runs.
     phases : ndarray, (surfaces + fields, 2)
         Displacement of each pulling stage and of each field at `t`.
-    begun : ndarray, (surfaces + fields, 7)
+    begun : ndarray, (surfaces + fields, 10)
         When the own times were zero of each surface's drive, of a user's forces on the ends of its
-        bars, of its stage, its load and its reservoirs on bars and swings, and in the last column
-        of each field; zero unless a run from a state began with others.
+        bars, of its stage, its load, its reservoirs on bars and swings, and its push along x and y,
+        and in the last columns of each field and of its modulation; zero unless a run from a state
+        began with others.
     memory : dict
         Data that the method needs to continue bit for bit, and the random generator.
     method : str

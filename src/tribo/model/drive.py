@@ -153,7 +153,7 @@ class Drive:
     ) -> np.ndarray | None:
         """f2_x on bars at `x`, (times, asperites), where it follows from these numbers; else None.
 
-        `begun` are the times since the drive began, (times, 1), and `stage` where the ends of the
+        `begun` are the times since a push began, (times, 1), and `stage` where the ends of the
         springs at its stage are, (times, asperites).
         """
         return None

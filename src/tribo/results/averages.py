@@ -43,6 +43,8 @@ SPECTRA = np.array(
     [1.0 / (1.0 + (np.pi * ORDERS * time) ** 2) for time in (0.0, *np.geomspace(0.01, 0.64, 7))]
     + [(1.0 + (ORDERS / rise) ** 2) ** 2 for rise in (16.0, 8.0, 4.0, 2.0)]
 )
+# The autocorrelation, relative to the variance, at the correlation time.
+FALLEN = np.exp(-1.0)
 # The time in which the autocorrelation falls to 1/e, in units of the series, above which there is
 # no interval: at a correlation time of 1/5 that leaves 4 % of the series one.
 LONGEST_CORRELATION = 0.035
@@ -291,14 +293,19 @@ def _regression(products: np.ndarray, of_unit: np.ndarray, confidence: float) ->
     likelihood /= np.sum(likelihood)
     mean = float(likelihood @ value)
     errors = np.sqrt(squares / degrees / information)
+    # In units of the largest error, since the root is sought to an absolute precision too.
+    unit = float(np.max(errors))
+    beyond = (value - mean) / errors
+    each = errors / unit
 
     def excess(half_width: float) -> float:
-        ends = [(mean + side * half_width - value) / errors for side in (-1.0, 1.0)]
+        ends = [side * half_width / each - beyond for side in (-1.0, 1.0)]
         return float(likelihood @ (stdtr(degrees, ends[1]) - stdtr(degrees, ends[0]))) - confidence
 
-    far = 1e3 * float(np.max(errors) + np.ptp(value))
+    far = 1e3 * (1.0 + float(np.ptp(value)) / unit)
+    half_width = unit * float(brentq(excess, 0.0, far, rtol=1e-6))
     density = float(np.exp(likelihood @ np.log(squares / degrees)))
-    return _Estimate(mean, float(brentq(excess, 0.0, far, rtol=1e-6)), density)
+    return _Estimate(mean, half_width, density)
 
 
 def _unresolved(s: np.ndarray, rest: np.ndarray, weights: np.ndarray) -> float:
@@ -313,7 +320,10 @@ def _correlated(s: np.ndarray, rest: np.ndarray) -> float:
     """The time in which the autocorrelation falls to 1/e, in units of the series."""
     even = np.interp(np.linspace(0.0, 1.0, s.size), s, rest)
     correlation = np.fft.irfft(np.abs(np.fft.rfft(even, 2 * s.size)) ** 2)[: s.size]
-    return int(np.argmax(correlation < np.exp(-1.0) * correlation[0])) / s.size
+    relative = correlation / correlation[0]
+    first = int(np.argmax(relative < FALLEN))  # a sample or more, so that a line leads to it
+    before = relative[first - 1]
+    return (first - (FALLEN - relative[first]) / (before - relative[first])) / s.size
 
 
 def student(degrees: int, quantities: int = 1) -> float:

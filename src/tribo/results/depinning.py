@@ -4,6 +4,7 @@ from typing import NamedTuple
 
 import numpy as np
 
+from tribo.layout.legs import BEGUN
 from tribo.model.fields import period_of
 from tribo.results.averages import interval
 from tribo.results.run_result import RunResult
@@ -157,7 +158,7 @@ def _force_on_bars(result: RunResult, index: int) -> np.ndarray:
     stage = rest + state.phases[index, 0]
     if drive.stage is not None:
         stage = stage + moved_by_stage(result, index, t)
-    force = drive.force_along_x(x, t - state.begun[index, 0], stage)
+    force = drive.force_along_x(x, t - state.begun[index, BEGUN.index("push_x")], stage)
     if force is None:
         raise InputError("output.series", f'must have "forces", as "{surface.name}" has {drive}')
     return force / surface.count if drive.block else force
