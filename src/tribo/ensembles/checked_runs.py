@@ -22,7 +22,14 @@ from tribo.accuracy.levels import FLOOR, ToleranceScales, setting_at, tolerance_
 from tribo.accuracy.member_comparison import FineRuns
 from tribo.accuracy.plan import NEAR_ALONE
 from tribo.accuracy.scales import EPSILON, ROLES
-from tribo.ensembles.batches import Policy, chunk_of, complete_members, delivered, kept_series
+from tribo.ensembles.batches import (
+    MOST_NUMBERS,
+    Policy,
+    chunk_of,
+    complete_members,
+    delivered,
+    kept_series,
+)
 from tribo.ensembles.engines import in_threads
 from tribo.ensembles.kept_values import ERROR, UNKNOWN, Kept, KeptValues, set_notes
 from tribo.ensembles.members import Members, Variation
@@ -144,6 +151,8 @@ class CheckedRuns(Policy):
         pair = simulation.integrator.pair is not None
         self.pilot = PILOT if pair else PILOT_OF_LARGE  # members that tell whom to check
         self.finest = FLOOR if pair else max(FLOOR, FINEST_OF_LARGE * self.strictest)  # level
+        # The numbers of the pilot's members and their runs by the last plan, if these are kept.
+        self._of_pilot: tuple[np.ndarray, MemberRuns] | None = None
 
     @cached_property
     def chunk(self) -> int:  # type: ignore[override]
@@ -153,7 +162,7 @@ class CheckedRuns(Policy):
     def compute(self, members: Members) -> KeptValues:
         """Run members, check and refine them; those that need a search of their own are UNKNOWN."""
         starts = self.begin(members)
-        runs = self.run(self.plan, starts)
+        runs = self._by_plan(members.numbers, starts)
         found = delivered(self.kept, runs, self.plan.level, complete_members(runs))
         complete = found["status"] != UNKNOWN
         some = (members.numbers < SAMPLE) | (members.numbers % CHECKED == 0)
@@ -161,6 +170,41 @@ class CheckedRuns(Policy):
         if checked.any():
             self._refine(found, np.flatnonzero(checked), runs, starts)
         return found
+
+    def run_pilot(
+        self, plan: CheckedPlan, numbers: np.ndarray, starts: MemberStarts, threads: int
+    ) -> np.ndarray:
+        """The counts of the pilot's runs by a plan; the runs are kept unless they are large."""
+        layout = self.simulation.layout
+        parts = in_threads(partial(self.run, plan), starts.pieces(self.piece(threads)), threads)
+        if numbers.size * layout.times.size * (2 * layout.core + layout.accounts) > MOST_NUMBERS:
+            return np.concatenate([part.counts for part in parts])
+        first, *others = parts
+        runs = first.beside(*others) if others else first
+        self._of_pilot = numbers, runs
+        return runs.counts
+
+    def piece(self, threads: int) -> int:
+        """Members of the pilot that are run in one call."""
+        return self.chunk if threads == 1 else min(PIECE, self.chunk)
+
+    def _by_plan(self, numbers: np.ndarray, starts: MemberStarts) -> MemberRuns:
+        """The runs of members by the plan; the pilot's are known."""
+        if self._of_pilot is None:
+            return self.run(self.plan, starts)
+        of_pilot, runs = self._of_pilot
+        places = np.minimum(np.searchsorted(of_pilot, numbers), of_pilot.size - 1)
+        is_known = of_pilot[places] == numbers
+        if not is_known.any():
+            return self.run(self.plan, starts)
+        known = runs.of_members(places[is_known])
+        if is_known.all():
+            return known
+        every = known.beside(self.run(self.plan, starts.of_members(~is_known)))
+        if is_known[: len(known.counts)].all():
+            return every
+        order = np.argsort(~is_known, kind="stable")  # the known ones first
+        return every.of_members(np.argsort(order))
 
     def _doubtful(self, runs: MemberRuns, starts: MemberStarts) -> np.ndarray:
         """Whether runs by the plan may miss their accuracy, (members,)."""
@@ -258,14 +302,17 @@ def checked_plan(runs: CheckedRuns, variation: Variation, count: int, threads: i
     plan, error = _cheapest(runs, variation, count, scales)
     if runs.own_numbers:  # each member is compared with a run at the level that is chosen
         return plan._replace(level=max(FLOOR, plan.level / ROUGHER))
-    starts = runs.begin(variation.sample(count, runs.pilot))
+    pilot = variation.sample(count, runs.pilot)
+    starts = runs.begin(pilot)
     # The largest error to expect of the pilot's others, so that one round may suffice.
     expected = error * max(1.0, (len(starts.y) / (OTHERS * SAMPLE)) ** GROWTH)
     plan = _with_room(runs, plan, expected, 1.0)
-    plan, error = _with_most_evaluations(runs, plan, starts, threads)
+    counts = runs.run_pilot(plan, pilot.numbers, starts, threads)
+    plan, error = _with_most_evaluations(runs, plan, starts, counts, threads)
     while error > ROOM and plan.level > runs.finest:
         plan = _with_room(runs, plan, error, TIGHTENED)
-        plan, error = _with_most_evaluations(runs, plan, starts, threads)
+        counts = runs.run_pilot(plan, pilot.numbers, starts, threads)
+        plan, error = _with_most_evaluations(runs, plan, starts, counts, threads)
     return plan
 
 
@@ -363,13 +410,12 @@ def _worth_trying(searches: list[_Search]) -> list[_Search]:
 
 
 def _with_most_evaluations(
-    runs: CheckedRuns, plan: CheckedPlan, starts: MemberStarts, threads: int
+    runs: CheckedRuns, plan: CheckedPlan, starts: MemberStarts, counts: np.ndarray, threads: int
 ) -> tuple[CheckedPlan, float]:
     """The plan with the evaluations above which to check, and the largest error of others.
 
-    Both are of a pilot, members with the `starts`.
+    Both are of a pilot, members with the `starts`, whose runs by the plan have the `counts`.
     """
-    piece = runs.chunk if threads == 1 else min(PIECE, runs.chunk)
 
     def errors(members: np.ndarray, method: str) -> np.ndarray:
         """Differences from finer runs by a method, in units of the accuracy, (members,)."""
@@ -379,11 +425,9 @@ def _with_most_evaluations(
             found = runs.fine(runs.run(finer, some)).compare(runs.run(plan, some))
             return np.asarray(found[1][0])
 
-        pieces = starts.of_members(members).pieces(piece)
+        pieces = starts.of_members(members).pieces(runs.piece(threads))
         return np.concatenate([np.empty(0), *in_threads(excess, pieces, threads)])
 
-    every = in_threads(lambda some: runs.run(plan, some).counts, starts.pieces(piece), threads)
-    counts = np.concatenate(list(every))
     evaluations = counts[:, EVALUATIONS]
     complete = np.flatnonzero(counts[:, CODE] == COMPLETED)
     order = complete[np.argsort(-evaluations[complete], kind="stable")]

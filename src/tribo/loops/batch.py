@@ -76,6 +76,12 @@ class MemberRuns(NamedTuple):
             add_reactions(layout, samples.y, samples.s, samples.at_start(samples.y))
         return cls(layout, samples, counts, stiffness)
 
+    def beside(self, *others: MemberRuns) -> MemberRuns:
+        """These runs and those of further members, none of which have numbers of their own."""
+        samples = self.samples.beside(*(each.samples for each in others))
+        counts = np.concatenate([each.counts for each in (self, *others)])
+        return MemberRuns(self.layout, samples, counts)
+
     def of_members(self, selected: np.ndarray) -> MemberRuns:
         """The runs of some members, by their indices or a mask."""
         layout = self.layout
