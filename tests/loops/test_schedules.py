@@ -137,6 +137,18 @@ def test_forces_at_kinks():
     np.testing.assert_allclose(result["tip"]["f2_x"][:, 0], wanted, atol=1e-14)
 
 
+def test_forces_at_a_kink_at_the_end():
+    """The last sample too has the value after a step, as the first one of a run that goes on."""
+    force = tribo.Schedule([[0, 0.1], [4, 0.5]], kind="steps")
+    first = tribo.simulate(
+        scene_of(tribo.Pushed(force=[force, 0.0]), 4.0, 3, ("forces",)), method="rkn8"
+    )
+    np.testing.assert_array_equal(first["tip"].f2_x[:, 0], [0.1, 0.1, 0.5])
+    later = scene_of(tribo.Pushed(force=[force, 0.0]), 8.0, 3, ("forces",))
+    then = tribo.simulate(later, method="rkn8", accuracy=1e-8, start=first.state())
+    np.testing.assert_array_equal(then["tip"].f2_x[:, 0], [0.5, 0.5])
+
+
 @pytest.mark.parametrize(
     "settings",
     [{"method": "gauss-radau-15", "accuracy": 1e-9}, {"method": "verlet", "step": 0.05}],
@@ -372,17 +384,19 @@ def test_field_from_a_state():
     rest = tribo.simulate(longer, start=state, method="rkn8")
     whole = tribo.simulate(longer, method="rkn8")
     assert rest["tip"]["x_cm"][-1, 0] == pytest.approx(whole["tip"]["x_cm"][-1, 0], abs=1e-7)
-    # With another velocity the factor goes on; that of another field begins.
+    # With another velocity or amplitude the factor goes on; another factor begins.
     series = tribo.Output(samples=2, series=("forces",))
+    then = 1.0 + 0.5 * np.sin(2.0 * np.pi * state.t / 3.0)
     for change, factor in (
-        ({"velocity": (0.1, 0.0)}, 1.0 + 0.5 * np.sin(2.0 * np.pi * state.t / 3.0)),
-        ({"potential": tribo.Corrugation(0.3, 2.0)}, 0.75),
+        ({"velocity": (0.1, 0.0)}, then),
+        ({"potential": tribo.Corrugation(0.3, 2.0)}, 0.75 * then),
+        ({"modulation": tribo.Schedule.sine(1.0, 0.4, 3.0)}, 1.0),
     ):
         other = replace(longer, output=series, fields=[replace(field, **change)])
-        begins = tribo.simulate(other, start=state, method="rkn8")["tip"]
-        x = begins["x_bob"][0, 0]
+        goes_on = tribo.simulate(other, start=state, method="rkn8")["tip"]
+        x = goes_on["x_bob"][0, 0]
         wanted = -0.4 * np.pi * np.sin(np.pi * x) * factor
-        assert begins["f_field_x"][0, 0] == pytest.approx(wanted, rel=1e-9)
+        assert goes_on["f_field_x"][0, 0] == pytest.approx(wanted, rel=1e-9)
 
 
 MORSE = tribo.Morse(D=0.3, alpha=2.0, r0=1.2)

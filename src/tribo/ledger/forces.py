@@ -15,6 +15,7 @@ from tribo.compiler.lanes_memory import room
 from tribo.kernels import probe
 from tribo.kernels.records import BARS
 from tribo.layout.layout import Layout
+from tribo.layout.legs import SAME, legs_of
 from tribo.layout.span import Span
 from tribo.ledger.accounts import Accounts
 from tribo.ledger.kick_places import at_next_kicks
@@ -148,11 +149,14 @@ class Forces:
             places=layout.places.q[: layout.core],
         )
         forces = Probe(layout, probe.force_probe)
-        legs = layout.legs.of_times(samples.t)
+        # A step of a schedule at the end of the run has a leg too, since forces are those after it.
+        until = layout.scene.duration * (1.0 + 3.0 * SAME)
+        every = legs_of(layout.scene, layout.scheduled, layout.begun, until)
+        legs = every.of_times(samples.t)
         ends = [*np.flatnonzero(np.diff(legs)) + 1, legs.size]
         begin = 0
         for end in ends:
-            forces.set_schedules(layout.legs.tables[legs[begin]])
+            forces.set_schedules(every.tables[legs[begin]])
             of_leg = sampled._replace(times=samples.t[:end])
             forces(end, of_leg, motion, found, begin=begin)
             begin = end
