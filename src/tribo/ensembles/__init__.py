@@ -186,7 +186,7 @@ def ensemble(
         runs = planned(request, simulation, kept, variation, most, how._replace(progress=progress))
         if names is not None:
             return _collected(runs, statistics, most, target, of_scene)
-        return mean_dataset(runs, target, wanted, most)
+        return mean_dataset(runs, target, wanted, most, of_scene)
 
     others = {"members": most, "statistics": statistics, "half_width": wanted}
     identify = partial(request.identity, recorded, variation, others)

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import json
 from collections import Counter
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
@@ -36,9 +36,16 @@ HALF_WIDTH = "half-width of the 95 % interval of the "
 
 
 def mean_dataset(
-    runs: Runs, target: Target, half_width: dict[str, float] | None, most: int
+    runs: Runs,
+    target: Target,
+    half_width: dict[str, float] | None,
+    most: int,
+    of_scene: Sequence[str],
 ) -> xarray.Dataset:
-    """The means of `most` members, or of as many as a half-width takes.  Raises InputError."""
+    """The means of `most` members, or of as many as a half-width takes.
+
+    Their notes begin with those `of_scene`.  Raises InputError.
+    """
     store = MemberStore(target.frames)
     first_stage = None
     needed = 0.0
@@ -55,7 +62,8 @@ def mean_dataset(
     numbers = np.flatnonzero(kept_values.completed(found))[:FIRST_STAGE]
     check = None if interrupted else _again(runs, numbers)
     means = _Means(runs, found, numbers, check, first_stage, needed)
-    attributes = target.attributes(check is None, means.notes())
+    notes = dict.fromkeys([*of_scene, *means.notes()])
+    attributes = target.attributes(check is None, notes)
     attributes |= settings_attributes(runs) | {
         "confidence": CONFIDENCE,
         "half_width": json.dumps(half_width),
