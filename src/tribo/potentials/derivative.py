@@ -104,12 +104,16 @@ class Rules:
     def _of_inverse(self, u: ast.expr, v: ast.expr) -> ast.expr:
         """What the change of v adds to the derivative of u / v.
 
-        That of a power of w is n (u / w ** n) / w, in which no larger power overflows.
+        That of a power of w is n (u / w ** n) / w.  No square of v occurs, which would overflow
+        or underflow where u / v does not.
         """
         match v:
-            case ast.BinOp(w, ast.Pow(), ast.Constant(int() | float()) as n):
+            case ast.BinOp(w, ast.Pow(), n) if not self.varies(n):
                 return multiply(substitute("-(n*(u/v))/w", n=n, u=u, v=v, w=w), self.derivative(w))
-        return multiply(substitute("-(u/v)/v", u=u, v=v), self.derivative(v))
+        slope = self.derivative(v)
+        if isinstance(slope, ast.Constant):
+            return multiply(substitute("-(u/v)/v", u=u, v=v), slope)
+        return substitute("-(u/v)*(slope/v)", u=u, v=v, slope=slope)
 
     def _choice(self, test: ast.expr, u: ast.expr, v: ast.expr) -> ast.expr:
         """One of two values, both of them floats."""

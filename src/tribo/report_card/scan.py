@@ -42,6 +42,13 @@ SEARCHED = 8000
 AROUND_OWN = 1e3
 # How far they reach, inward and outward, if the potential has no length [ratio, length].
 WITHOUT_OWN = 1e20
+# Smallest and largest |F| r among which the typical distance is searched: an energy in any unit.
+# A product within the force overflows or underflows long before its result does.
+IN_ANY_UNIT = (1e-100, 1e100)
+# Smallest change of the energy that counts as a step [typical energy].
+STEP = 1e-9
+# Distance to either side of a parameter at which energies are compared, in search of a step [r].
+ASIDE = 1e-6
 # Cells beyond the distance from which the force has vanished: where it has a kink, it lies there.
 BEYOND = 8
 # Distances on either side of a minimum at which the force must have one sign, as round-off has not.
@@ -92,6 +99,17 @@ class PotentialScan:
     def everywhere(self) -> np.ndarray:
         """All distances of the scan: middles of cells, random and special ones."""
         return np.concatenate([self.r, self.random, self.special])
+
+    @property
+    def cells(self) -> tuple[np.ndarray, np.ndarray]:
+        """Begins and ends of cells that are searched for jumps and kinks.
+
+        They overlap by half, so that every distance is in the interior of one.  Those around
+        parameters are short, so that two steps close to each other are seen.
+        """
+        x = np.array(sorted(x for x in self._parameters() if self.low < x < self.high))
+        begin = np.append(self.edges[:-2], x * (1.0 - ASIDE))
+        return begin, np.append(self.edges[2:], x * (1.0 + ASIDE))
 
     @property
     def methods(self) -> tuple[Method, Method]:
@@ -173,7 +191,8 @@ class PotentialScan:
     def _typical(self) -> float:
         """The first minimum, the largest |F| r, or where |F| r begins to fall faster.
 
-        Without any of these, the largest length that the potential declares; else 1.
+        Without any force it is the largest step of the energy.  Without any of these, the largest
+        length that the potential declares; else 1.
         """
         lengths = sorted({x for part in parts(self.potential) for x in _declared_lengths(part)})
         low, high = 1.0 / WITHOUT_OWN, WITHOUT_OWN
@@ -187,7 +206,7 @@ class PotentialScan:
         turn = self._turning_point(r)
         if turn is not None:
             return turn
-        found = self._knee(r) or (lengths[-1] if lengths else 1.0)
+        found = self._knee(r) or self._step(r) or (lengths[-1] if lengths else 1.0)
         return min(max(found, low), high if math.isinf(self.cutoff) else NEAR_CUTOFF * self.cutoff)
 
     def _turning_point(self, r: np.ndarray) -> float | None:
@@ -205,7 +224,7 @@ class PotentialScan:
     def _knee(self, r: np.ndarray) -> float | None:
         """Where |F| r is largest, or its exponent falls by 1 from that at small distances."""
         torque = r * np.abs(self.compiled(r)[1])
-        valid = (torque > 0.0) & (torque < LARGEST_NUMBER)
+        valid = (torque > IN_ANY_UNIT[0]) & (torque < IN_ANY_UNIT[1])
         r = r[valid]
         torque = torque[valid]
         if r.size < 3:
@@ -217,8 +236,22 @@ class PotentialScan:
         knee = np.flatnonzero(exponent < exponent[0] - 1.0)
         return float(r[knee[0]]) if knee.size else None
 
+    def _step(self, r: np.ndarray) -> float | None:
+        """Where an energy without any force changes most: it has steps, or is constant."""
+        beside = [x * (1.0 + side) for x in self._parameters() for side in (-ASIDE, ASIDE)]
+        r = np.union1d(r, [x for x in beside if r[0] < x < r[-1]])
+        energy, force = self.compiled(r)
+        with np.errstate(all="ignore"):
+            changes = np.nan_to_num(np.abs(np.diff(energy)), posinf=0.0)
+        if np.any(force) or not np.any(changes):
+            return None
+        return float(r[np.argmax(changes)])
+
     def _felt(self) -> tuple[float, float]:
-        """Distances between the core, or the smallest of all, and where the force has vanished."""
+        """Distances between the core, or the smallest of all, and where the force has vanished.
+
+        Steps of the energy, at which there is no force, lie between them too.
+        """
         near = self.length * np.geomspace(0.9, 1.1, 9)
         energy, force = np.abs(self.compiled(near[near < self.cutoff]))
         size = energy + force * self.length
@@ -226,17 +259,47 @@ class PotentialScan:
         least, largest = self.domain
         nearest = max(self.length / WIDEST, least)
         farthest = min(self.length * WIDEST, largest, 1.1 * self.cutoff)
-
-        def outside_core(r: np.ndarray, energy: np.ndarray, force: np.ndarray) -> np.ndarray:
-            return ~((np.abs(energy) > CORE * unit) | (np.abs(force) > LARGEST_NUMBER))
-
-        low = self._end_of(outside_core, self.length, nearest)
+        low = self._core(nearest, unit)
         if math.isfinite(self.cutoff) or math.isfinite(largest):
             return low, farthest
-        high = self._end_of(
-            lambda r, energy, force: ~(np.abs(force) * r > VANISHED * unit), farthest, self.length
-        )
-        return low, max(high, 2.0 * self.length)
+        last = float(self.compiled(np.array([farthest]))[0][0])
+
+        def vanished(r: np.ndarray, energy: np.ndarray, force: np.ndarray) -> np.ndarray:
+            changed = np.isfinite(last) & (np.abs(energy - last) > STEP * unit)
+            return ~((np.abs(force) * r > VANISHED * unit) | changed)
+
+        high = self._end_of(vanished, farthest, self.length)
+        steps = [x * (1.0 + ASIDE) for x in self._parameters() if self._has_step(x, STEP * unit)]
+        return low, max(high, 2.0 * self.length, *steps)
+
+    def _core(self, nearest: float, unit: float) -> float:
+        """The distance below which the energy exceeds CORE units, as no bob does, or the nearest.
+
+        An energy that jumps beyond is no core: bobs reach a well, and a step is to be found.
+        """
+
+        def outside(r: np.ndarray, energy: np.ndarray, force: np.ndarray) -> np.ndarray:
+            return ~((np.abs(energy) > CORE * unit) | (np.abs(force) > LARGEST_NUMBER))
+
+        while True:
+            low = self._end_of(outside, self.length, nearest)
+            within = max(low * (1.0 - ASIDE), nearest)
+            before, after = np.abs(self.compiled(np.array([low, within]))[0])
+            if not 2.0 * max(before, unit) < after < LARGEST_NUMBER:
+                return low
+            unit = float(after)
+
+    def _has_step(self, x: float, least: float) -> bool:
+        """Whether the energy changes by more than `least` just around x."""
+        if not 0.0 < x < WITHOUT_OWN:
+            return False
+        before, after = self.compiled(x * np.array([1.0 - ASIDE, 1.0 + ASIDE]))[0]
+        return bool(least < abs(after - before) < LARGEST_NUMBER)
+
+    def _parameters(self) -> set[float]:
+        """The sizes of the numbers among the fields: any of them may be a length."""
+        fields = (x for part in parts(self.potential) for x in part)
+        return {abs(x) for x in fields if isinstance(x, float)}
 
     def _end_of(self, wanted: Condition, start: float, stop: float) -> float:
         """The last distance on the way from `start` to `stop` up to which a condition holds."""
@@ -272,9 +335,7 @@ class PotentialScan:
 
     def _special(self) -> set[float]:
         """Distances where a mistake is likely, each with its two neighbours among floats."""
-        values = {1.0, self.length, self.cutoff}
-        for part in parts(self.potential):
-            values.update(abs(x) for x in part if isinstance(x, float))
+        values = {1.0, self.length, self.cutoff} | self._parameters()
         found = {0.5 * k for k in range(1, 41)}  # whole and half numbers
         for x in values:
             found.update((x, 0.5 * x, 2.0 * x, 3.0 * x, 1.0 / 3.0 * x))

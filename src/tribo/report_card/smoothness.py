@@ -34,6 +34,8 @@ INWARD = (1e-5, 1e-6, 1e-7)
 STENCIL = np.array([1.0, -4.0, 6.0, -4.0, 1.0])
 
 NOT_PROMISED = "; smoothness() promises none"
+# Row of the place of a jump, kink or bend [length].
+PLACE = 3
 # Largest fourth difference of a jump, of a kink and of a bend of 1.
 LARGEST = (3.0, 2.0, 1.0)
 
@@ -43,7 +45,7 @@ Function = Callable[[np.ndarray], np.ndarray]
 def check_smoothness(scan: PotentialScan) -> Iterator[Check]:
     """Check that the potential has as many continuous derivatives within its cutoff as declared."""
     promised = float(scan.potential.smoothness_within())
-    inside = scan.edges[2:] < scan.cutoff
+    inside = scan.cells[1] < scan.cutoff
     energy = strengths(scan, lambda r: scan.compiled(r)[0], 1)[:, inside]
     force = strengths(scan, lambda r: scan.compiled(r)[1], 0)[:, inside]
     found = {"jumps of energy": energy[0], "jumps of force": force[0], "kinks of force": force[1]}
@@ -51,18 +53,18 @@ def check_smoothness(scan: PotentialScan) -> Iterator[Check]:
         kept = promised >= least
         text = f"{len(strength)} cells, each halved {LEVELS} times" + NOT_PROMISED * (not kept)
         bound = LARGEST_JUMPS[least] if kept else None
-        yield Check.of_worst(name, text, strength, bound, scan.edges[1:])
+        places = energy[PLACE] if name == "jumps of energy" else force[PLACE]
+        yield Check.of_worst(name, text, strength, bound, places)
 
 
 def strengths(scan: PotentialScan, function: Function, power: int) -> np.ndarray:
-    """Jump, kink and bend of a function in every cell, (3, cells).
+    """Jump, kink and bend of a function in every cell, and where they are, (4, cells).
 
     Values are relative to the scale of the force times r^power, and distances are in units of
-    LENGTH cells.  Cells overlap by half, so that every distance is in the interior of one.
+    LENGTH cells.
     """
-    begin = scan.edges[:-2]
-    end = scan.edges[2:]
-    middle = scan.edges[1:-1]
+    begin, end = scan.cells
+    middle = 0.5 * (begin + end)
     length = 0.5 * LENGTH * (end - begin)
     scale = scan.scale(middle) * middle**power
     least = np.full((3, begin.size), np.inf)
@@ -79,7 +81,7 @@ def strengths(scan: PotentialScan, function: Function, power: int) -> np.ndarray
         least = np.minimum(least, [left / (size * spacing**k) for k, size in enumerate(LARGEST)])
         begin = points[rows, first]
         end = points[rows, first + 4]
-    return least
+    return np.vstack([least, 0.5 * (begin + end)])
 
 
 def check_cutoff(scan: PotentialScan) -> Iterator[Check]:
