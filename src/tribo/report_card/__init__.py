@@ -66,7 +66,7 @@ def check(
     found = curves(scan)
     checks = [
         check_finite(scan),
-        check_force(found),
+        check_force(found, scan.has_derived_force),
         *check_minimum(scan),
         *check_smoothness(scan),
         *check_cutoff(scan),

@@ -14,12 +14,12 @@ from tribo.plotting.style import save
 from tribo.report_card.figure import Curves, card_figure
 
 _CONTINUOUS = "make {} there, or declare smoothness() (inside a range: smoothness_within()) = {}"
-_AT_END = "let {} end at zero (as .with_cutoff does), mend range(), or declare smoothness() = {}"
+_AT_END = "let {} end at zero (as .with_cutoff does), correct range(), or declare smoothness() = {}"
 # What to change where a check fails.
 ADVICE = {
-    "finite": "mend the energy there, or declare domain(), the distances for which it is valid",
-    "force": "mend force() or energy(); without force(), the energy is differentiated",
-    "minimum": "mend minimum(), which returns r, U and d2U/dr2, or energy()",
+    "finite": "correct the energy there, or declare domain(), the distances for which it is valid",
+    "force": "correct force() or energy(), or leave out force(): it follows from energy()",
+    "minimum": "correct minimum(), which returns r, U and d2U/dr2, or energy()",
     "jumps of energy": _CONTINUOUS.format("the energy continuous", -1),
     "jumps of force": _CONTINUOUS.format("the force continuous", 0),
     "kinks of force": _CONTINUOUS.format("the slope of the force continuous", 1),
@@ -28,7 +28,7 @@ ADVICE = {
     "slope at the cutoff": _AT_END.format("the slope of the force", 1),
     "limits": "let force() vanish where the energy is constant, or declare domain()",
     "third law": "make coupling(one, other) symmetric in the two bobs",
-    "charges": "mend energy_between() and force_between(), or acts_between()",
+    "charges": "correct energy_between() and force_between(), or acts_between()",
     "arrays": "compute each value from its own r: np.maximum instead of np.max",
     "compiled": "avoid what Python and numba compute differently, as globals that change; "
     "tribo doctor names the folder of compiled code, which can be removed",
@@ -47,6 +47,7 @@ class Check:
     where: float | None = None  # distance at which the error is largest [length]
     note: str = ""  # an explanation, as of a failure for another reason than the error
     failed: bool = False  # whether the check failed for a reason that `note` gives
+    remedy: str = ""  # what to change if it failed; empty for the usual advice
 
     @classmethod
     def of_worst(
@@ -64,7 +65,7 @@ class Check:
     @property
     def advice(self) -> str:
         """What to change if the check failed; empty if it passed."""
-        return "" if self.passed else ADVICE[self.name]
+        return "" if self.passed else self.remedy or ADVICE[self.name]
 
     @property
     def grade(self) -> float | None:

@@ -25,6 +25,13 @@ BOUND = 1e-10
 TRUSTED = 10.0
 # Least fraction of the distances at which force and derivative must be compared.
 KNOWN = 0.9
+# Relative difference up to which ratios of force and derivative are one factor.
+PROPORTIONAL = 1e-8
+# Advice where no class defines a force.
+DERIVED = (
+    "the force is derived from energy(), which loses digits or has jumps there: write energy() "
+    "in another form, or define force()"
+)
 # Largest distance from r at which the energy is evaluated [r].
 REACH = 0.1
 # Largest distance from r at which the energy is evaluated, if r is long [typical distance].
@@ -89,6 +96,7 @@ def curves(scan: PotentialScan) -> Curves:
             r=r,
             energy=energy,
             force=force,
+            slope=slope,
             disagreement=np.abs(force + slope) / scale,
             uncertainty=uncertainty / scale,
             bound=BOUND,
@@ -97,8 +105,11 @@ def curves(scan: PotentialScan) -> Curves:
         )
 
 
-def check_force(found: Curves) -> Check:
-    """Check that the force is -dU/dr where the uncertainty of dU/dr permits it."""
+def check_force(found: Curves, derived: bool = False) -> Check:
+    """Check that the force is -dU/dr where the uncertainty of dU/dr permits it.
+
+    If the force is `derived` from the energy, a failure is no mistake in a class's own force().
+    """
     inside = found.r < found.cutoff
     known = inside & (TRUSTED * found.uncertainty <= BOUND)
     share = float(np.count_nonzero(known)) / max(1, int(np.count_nonzero(inside)))
@@ -106,9 +117,26 @@ def check_force(found: Curves) -> Check:
     best = float(np.median(found.uncertainty[known])) if known.any() else math.inf
     text = f"force and -dU/dr, whose uncertainty is {best:.1e}, at {found.r.size} distances"
     note = "" if share >= KNOWN else f"dU/dr is known at only {share:.0%} of the distances"
-    return replace(
-        Check.of_worst("force", text, errors, BOUND, found.r), note=note, failed=bool(note)
+    line = replace(
+        Check.of_worst("force", text, errors, BOUND, found.r),
+        note=note,
+        failed=bool(note),
+        remedy=DERIVED if derived else "",
     )
+    return line if line.passed or note else replace(line, note=_proportion(found, known))
+
+
+def _proportion(found: Curves, known: np.ndarray) -> str:
+    """What to say of a force that is a multiple of -dU/dr at all distances; empty if it is not."""
+    known = known & (np.abs(found.slope) > 0.0) & np.isfinite(found.force)
+    ratios = -found.force[known] / found.slope[known]
+    factor = float(np.median(ratios)) if ratios.size else math.nan
+    alike = np.count_nonzero(np.abs(ratios - factor) <= PROPORTIONAL * abs(factor))
+    if not alike >= KNOWN * ratios.size > 0:
+        return ""
+    if abs(factor + 1.0) <= PROPORTIONAL:
+        return "the force has the wrong sign: it is dU/dr instead of -dU/dr"
+    return f"the force is {factor:.9g} times -dU/dr"
 
 
 def check_minimum(scan: PotentialScan) -> list[Check]:

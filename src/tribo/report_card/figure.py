@@ -27,13 +27,14 @@ FLOOR = 1e-17
 class Curves:
     """The curves of a report card's figure, at n distances.
 
-    Of |F + dU/dr| and of the uncertainty of dU/dr by differences, relative to the scale of the
-    force; the typical distance `length` is that of the minimum if there is one.
+    `slope` is dU/dr by differences; |F + dU/dr| and the uncertainty of dU/dr are relative to the
+    scale of the force.  The typical distance `length` is that of the minimum if there is one.
     """
 
     r: np.ndarray
     energy: np.ndarray
     force: np.ndarray
+    slope: np.ndarray
     disagreement: np.ndarray
     uncertainty: np.ndarray
     bound: float

@@ -20,6 +20,7 @@ from tribo.model.interaction import Interaction
 from tribo.model.scene import Scene
 from tribo.model.surface import Surface
 from tribo.plugins.classes import parts
+from tribo.plugins.sources import is_own
 from tribo.potentials.potential import Potential, acting_charges
 from tribo.validation import LARGEST_NUMBER, InputError
 
@@ -115,6 +116,13 @@ class PotentialScan:
     def methods(self) -> tuple[Method, Method]:
         """Energy and force of a distance and two charges, in Python."""
         return self.potential.energy_between, self.potential.force_between
+
+    @property
+    def has_derived_force(self) -> bool:
+        """Whether the user's classes, if there are any, define energies and no force."""
+        users = [type(part) for part in parts(self.potential) if not is_own(type(part))]
+        forces = [getattr(cls, name) for cls in users for name in ("force", "force_between")]
+        return bool(users) and all(map(is_own, forces))
 
     def one_by_one(
         self, method: Method, r: np.ndarray, charges: tuple[float, float] | None = None

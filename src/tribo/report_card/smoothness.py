@@ -14,6 +14,7 @@ so that a smooth function has none of them.
 
 import math
 from collections.abc import Callable, Iterator
+from dataclasses import replace
 
 import numpy as np
 
@@ -24,6 +25,8 @@ from tribo.report_card.scan import PotentialScan
 LEVELS = 32
 # Largest acceptable jumps of energy and force, and kinks, relative to the scale of the potential.
 LARGEST_JUMPS = (1e-9, 1e-9, 1e-3)
+# Largest relative distance between two errors that are one: halved cells are much shorter.
+SAME_PLACE = 1e-7
 # Unit of distance of kinks and bends [cells]: about r, or less where cells are finer.
 LENGTH = 60.0
 # Largest acceptable jumps at the cutoff, in typical units.
@@ -49,12 +52,24 @@ def check_smoothness(scan: PotentialScan) -> Iterator[Check]:
     energy = strengths(scan, lambda r: scan.compiled(r)[0], 1)[:, inside]
     force = strengths(scan, lambda r: scan.compiled(r)[1], 0)[:, inside]
     found = {"jumps of energy": energy[0], "jumps of force": force[0], "kinks of force": force[1]}
+    cause: Check | None = None  # the first line that fails: each jump makes the next ones
     for least, (name, strength) in enumerate(found.items()):
         kept = promised >= least
         text = f"{len(strength)} cells, each halved {LEVELS} times" + NOT_PROMISED * (not kept)
         bound = LARGEST_JUMPS[least] if kept else None
         places = energy[PLACE] if name == "jumps of energy" else force[PLACE]
-        yield Check.of_worst(name, text, strength, bound, places)
+        line = Check.of_worst(name, text, strength, bound, places)
+        if not line.passed and cause is None:
+            cause = line
+        elif not line.passed and cause is not None and _same_place(line, cause):
+            line = replace(line, remedy=f"see {cause.name}, which has its cause at the same r")
+        yield line
+
+
+def _same_place(one: Check, other: Check) -> bool:
+    """Whether two lines have their largest errors at one distance."""
+    places = one.where, other.where
+    return None not in places and bool(np.isclose(*places, rtol=SAME_PLACE, atol=0.0))
 
 
 def strengths(scan: PotentialScan, function: Function, power: int) -> np.ndarray:
