@@ -50,8 +50,8 @@ def main() -> None:
         heights, works = figure.subplots(1, 2)
         result.plot.map("height", "lower", ax=heights)
         result.plot.map("w1", "lower", ax=works)
-        for ax, label in ((heights, "height"), (works, "work of contact")):
-            ax.child_axes[0].set_ylabel(label)  # the scale of colours
+        heights.set_title("height")
+        works.set_title("work of contact")
     save(figure, FOLDER / "contact.png")
     touched = (abs(result["lower"].w1[-1]) > 1e-6).mean()
     print(f"{seconds:.0f} s; contact touches {touched:.0%} of the lower asperites")

@@ -42,8 +42,8 @@ def measured(speed=0.04, way=6.0):
 def figure_of(law, result):
     figure = Figure(figsize=(6.2, 6.0), layout="constrained")
     axes = figure.subplots(3, 2, height_ratios=(0.6, 1, 1)).ravel()
-    result.plot.map("height", "block", ax=axes[0]).child_axes[0].set_ylabel("height")
-    result.plot.friction_map("block", "normal", ax=axes[1]).child_axes[0].set_ylabel("force")
+    result.plot.map("height", "block", ax=axes[0])
+    result.plot.friction_map("block", "normal", ax=axes[1])
     law_lines(law, ax=axes[2])
     result.plot.loop("block", ax=axes[3])
     drops = result.slips("block").distribution("drop", bins=6)

@@ -56,7 +56,6 @@ def main(folder="."):
         figure = Figure(figsize=(tribo.plotting.PAGE, 2.6), layout="constrained")
         above, law = figure.subplots(1, 2)
         result.plot.map("height", "rough", ax=above)
-        above.child_axes[0].set_ylabel("height")  # the scale of colours
         above.plot(x, z, "s", ms=1.5, color="#d55e00")
         law.plot(loads, shares, color="#d55e00", label="Greenwood and Williamson")
         law.plot(load, share, "o", ms=3, color=tribo.plotting.INK, label="simulation")

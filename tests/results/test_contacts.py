@@ -96,6 +96,38 @@ def test_maps_add_up_to_averages(result):
         plain.friction_map("lower")
 
 
+def test_maps_of_a_grid_have_cells_around_its_bobs(result):
+    """Cells of forces and of other quantities have one size, and are where the result has bobs."""
+    found = result.friction_map("lower")
+    for ax, values in (
+        (result.plot.friction_map("lower", "normal"), found["normal"]),
+        (result.plot.map("f1_y", "lower"), result["lower"].f1_y[-1]),
+        (result.plot.map("height", "lower"), np.zeros(12)),
+    ):
+        (mesh,) = ax.collections
+        corners = mesh.get_coordinates()
+        assert np.allclose(np.diff(corners[0, :, 0]), 1.0)
+        assert np.allclose(np.diff(corners[:, 0, 1]), 0.5)
+        centres = (corners[1:, 1:] + corners[:-1, :-1]).reshape(-1, 2) / 2.0
+        assert np.allclose(centres, np.stack([found["x"], found["z"]], axis=1), atol=1e-12)
+        assert np.allclose(np.ravel(mesh.get_array()), values)
+
+
+def test_discs_of_a_map_do_not_overlap():
+    """Asperites at listed positions are discs around their bobs, of which none hides another."""
+    places = [[0.0, 0.0, 0.0], [1.0, 0.0, 0.2], [1.1, 0.0, 0.2], [0.5, 0.0, 3.0]]
+    surface = Surface("upper", positions=places, drive="free")
+    scene = Scene((surface,), (), 1.0, output=Output(samples=3, series=("forces",)))
+    ax = tribo.simulate(scene, method="verlet", step=0.5).plot.friction_map("upper")
+    (discs,) = ax.collections
+    centres = discs.get_offsets()
+    assert np.array_equal(centres, np.array(places)[:, [0, 2]])
+    apart = np.hypot(*(centres[:, None] - centres).transpose(2, 0, 1))
+    radii = discs.get_widths() / 2.0
+    assert np.all(radii > 0.0)
+    assert np.all(apart + 1e-12 >= (radii[:, None] + radii) * ~np.eye(4, dtype=bool))
+
+
 def test_a_profile_of_velocities(result):
     """The upper surface slides at 0.4 over the lower one, which is below it."""
     profile = result.velocity_profile()

@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from tribo.layout.scene_records import resting_bobs
+from tribo.model.surface import Surface
 from tribo.plotting.curves import ASPECT, COLOURS, finish
 from tribo.plotting.marks import with_minus
 from tribo.plotting.pose import nearest_sample
@@ -16,7 +16,7 @@ from tribo.results.contacts import contacts
 from tribo.results.force_averages import friction_force
 from tribo.results.friction_loop import loop
 from tribo.results.maps import friction_map
-from tribo.results.run_result import RunResult
+from tribo.results.run_result import RunResult, index_of
 from tribo.validation import InputError, one_of
 
 if TYPE_CHECKING:
@@ -24,8 +24,8 @@ if TYPE_CHECKING:
 
 # What a map of forces shows.
 FORCES = ("friction", "normal")
-# Asperites up to which each has a mark of the largest size [points].
-MARK = 14.0
+# Height that a map's title and labels take, relative to the width of its figure.
+ROOM_OF_MAP = 0.25
 
 
 def draw_loop(result: RunResult, surface: str, position: object, ax: Axes | None) -> Axes:
@@ -43,26 +43,17 @@ def draw_loop(result: RunResult, surface: str, position: object, ax: Axes | None
 
 
 def draw_map(result: RunResult, surface: str, force: str, ax: Axes | None) -> Axes:
-    """Draw the mean force of each asperite in colour, where its bob rests."""
+    """Draw the mean force of each asperite in colour, where its bob rests; of a row, over x."""
     one_of("force", force, FORCES)
     found = friction_map(result, surface)
     values = found[force].values
-    strongest = float(np.percentile(np.abs(values), 99.5)) or 1.0
-    x, z = found["x"].values, found["z"].values
-    is_grid = np.ptp(z) > 0.0
-    with drawing_on(ax, COLUMN, (0.8 if is_grid else 0.5) * COLUMN) as ax:
-        size = min(MARK, 200.0 / max(2.0, values.size ** (0.5 if is_grid else 1.0)))
-        marks: dict[str, Any] = {"c": values, "s": size**2, "marker": "s", "linewidths": 0.0}
-        colours: dict[str, Any] = {"cmap": "RdBu_r", "vmin": -strongest, "vmax": strongest}
-        image = ax.scatter(x, z if is_grid else values, **marks, **colours)
-        if is_grid:
-            ax.set(ylabel="$z$", aspect="equal")
-        else:
-            ax.axhline(0.0, color=INK, linewidth=0.5)
-            ax.set(ylabel=f"mean {force} force")
-        ax.set(xlabel="$x$")
-        inset = ax.inset_axes((1.03, 0.0, 0.04, 1.0))
-        figure_of(ax).colorbar(image, cax=inset).set_label(f"mean {force} force on {surface}")
+    if np.ptp(found["z"].values) > 0.0:
+        return _draw_colours(result, surface, values, f"mean {force} force on {surface}", ax)
+    with drawing_on(ax, COLUMN, 0.5 * COLUMN) as ax:
+        ax.plot(found["x"].values, values, "o", color=COLOURS[0], markersize=3.0)
+        ax.axhline(0.0, color=INK, linewidth=0.5)
+        ax.set(xlabel="$x$", ylabel=f"mean {force} force")
+        ax.set_title(surface, fontsize=NOTE_SIZE)
     return ax
 
 
@@ -96,32 +87,84 @@ def draw_grid(
 ) -> Axes:
     """Draw a quantity of every asperite of a grid in colour, over x and z."""
     sample = -1 if t is None else nearest_sample(result, t)
-    index = [each.name for each in result.scene.surfaces].index(name)
-    grid = result.scene.surfaces[index]
     table = result[name]
-    if grid.positions is not None or min(grid.shape) < 2:
+    if not _is_grid(result.scene.surfaces[index_of(result, name)]):
         raise InputError("surface", f'must be a grid, got "{name}"')
-    bobs = resting_bobs(result.scene, index).reshape(*grid.shape[::-1], 3)
     if quantity == "height":  # which is no series
-        values = bobs[..., 1] - bobs[..., 1].mean()
-        look: dict[str, Any] = {"cmap": "viridis"}
-    elif quantity in table and table[quantity].ndim == 2:
-        values = table[quantity][sample].reshape(bobs.shape[:2])
-        strongest = np.percentile(np.abs(values), 99.5) or 1.0  # no outlier decides
-        look = {"cmap": "RdBu_r", "vmin": -strongest, "vmax": strongest}
-    else:
-        raise InputError(
-            "quantity",
-            f'must be "height" or a series of each asperite, as "w1", got {quantity!r}; '
-            'forces need output.series = "forces"',
-        )
-    with drawing_on(ax, COLUMN, 0.8 * COLUMN) as ax:
-        look |= {"shading": "nearest", "rasterized": True}
-        image = ax.pcolormesh(bobs[0, :, 0], bobs[:, 0, 2], values, **look)
+        heights = _resting_bobs(result, name)[:, 1]
+        title = f"height of {name}"
+        return _draw_colours(result, name, heights - heights.mean(), title, ax, signed=False)
+    if quantity in table and table[quantity].ndim == 2:
+        return _draw_colours(result, name, table[quantity][sample], f"{quantity} of {name}", ax)
+    raise InputError(
+        "quantity",
+        f'must be "height" or a series of each asperite, as "w1", got {quantity!r}; '
+        'forces need output.series = "forces"',
+    )
+
+
+def _draw_colours(
+    result: RunResult,
+    name: str,
+    values: np.ndarray,
+    title: str,
+    ax: Axes | None,
+    signed: bool = True,
+) -> Axes:
+    """Draw values (n,) of the asperites of a surface in colour, over x and z of the resting bobs.
+
+    Cells of a grid meet; elsewhere discs do not overlap.  Of signed values, zero is white.
+    """
+    surface = result.scene.surfaces[index_of(result, name)]
+    places = _resting_bobs(result, name)[:, [0, 2]]
+    look: dict[str, Any] = {"cmap": "viridis"}
+    if signed:
+        strongest = float(np.percentile(np.abs(values), 99.5)) or 1.0  # no outlier decides
+        look = {"cmap": "RdBu_r", "clim": (-strongest, strongest)}
+    width, depth = np.ptp(places, axis=0)
+    height = min(0.8, ROOM_OF_MAP + depth / max(width, depth)) * COLUMN
+    with drawing_on(ax, COLUMN, height) as ax:
+        if _is_grid(surface):
+            look |= {"shading": "nearest", "rasterized": True}
+            x = places[: surface.shape[0], 0]
+            z = places[:: surface.shape[0], 1]
+            image: Any = ax.pcolormesh(x, z, values.reshape(z.size, x.size), **look)
+        else:
+            image = _discs(ax, places, values, look)
         ax.set(xlabel="$x$", ylabel="$z$", aspect="equal")
         ax.tick_params(which="both", top=False, right=False)
-        extend = "neither" if quantity == "height" else "both"
         inset = ax.inset_axes((1.03, 0.0, 0.04, 1.0))
-        bar = figure_of(ax).colorbar(image, cax=inset, extend=extend, extendfrac=0.03)
-        bar.set_label(f"{quantity} of {name}")
+        extend = "both" if signed else "neither"
+        figure_of(ax).colorbar(image, cax=inset, extend=extend, extendfrac=0.03)
+        # A label beside the colours would be longer than they are high where a grid is narrow.
+        ax.set_title(title, fontsize=NOTE_SIZE)
     return ax
+
+
+def _discs(ax: Axes, places: np.ndarray, values: np.ndarray, look: dict[str, Any]) -> Any:
+    """Draw discs at places (n, 2), each at most as wide as the way to its nearest neighbour."""
+    from matplotlib.collections import EllipseCollection
+    from scipy.spatial import KDTree
+
+    apart = KDTree(places).query(places, k=2)[0][:, 1]
+    sizes = np.minimum(apart, np.median(apart))
+    where: dict[str, Any] = {"offsets": places, "offset_transform": ax.transData, "units": "xy"}
+    edge: dict[str, Any] = {"edgecolors": "0.5", "linewidths": 0.3}
+    discs = EllipseCollection(sizes, sizes, np.zeros(len(places)), **where, **edge, **look)
+    discs.set_array(values)
+    ax.add_collection(discs, autolim=False)
+    low = places.min(axis=0) - sizes.max()
+    high = places.max(axis=0) + sizes.max()
+    ax.set(xlim=(low[0], high[0]), ylim=(low[1], high[1]))
+    return discs
+
+
+def _is_grid(surface: Surface) -> bool:
+    """Whether asperites stand in rows and columns."""
+    return surface.positions is None and min(surface.shape) > 1
+
+
+def _resting_bobs(result: RunResult, name: str) -> np.ndarray:
+    """(n, 3) places of the resting bobs of a surface, as in the series of the result."""
+    index = index_of(result, name)
+    return result.scene.surfaces[index].resting_bobs(seed=[result.scene.seed, index, 0])
