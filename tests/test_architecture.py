@@ -93,6 +93,7 @@ ORDER = [
     "compiler",
     "starters",
     "units",
+    "decimal_commas",
     "files",
     "seals",
     "first_read",

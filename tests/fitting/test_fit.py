@@ -89,6 +89,13 @@ def test_files_of_data(tmp_path):
         path.write_text(f"1,2\n\n{last}")
         with pytest.raises(InputError, match=r"must have finite numbers in two col.*line 3 is"):
             trace_of(path, "upper.W")
+    for text in ("t;x\n0,5;1,5\n1,5;2", "0,5 1,5\n1 2", "0;1\n0,5;2", "t\tx\n0\t1\n0,5\t2"):
+        path.write_text(text)
+        with pytest.raises(InputError, match="with points before decimals"):
+            trace_of(path, "upper.W")
+    path.write_text("t,x\n0,5,1,5\n1,5,2,5")
+    with pytest.raises(InputError, match="got 2 names and 4 columns in the first row"):
+        trace_of(path, "upper.W")
     for wrong, message in (
         ((t[::-1], values), "that increase"),
         ("no.csv", "cannot be read"),

@@ -7,6 +7,7 @@ import pytest
 
 import tribo
 from support.scene_tables import scene_from
+from tribo.model import drawn
 
 
 def surface(name="upper", **asperite):
@@ -69,6 +70,16 @@ asperite = {charge = {file = "plain.txt"}}
 
 
 @pytest.mark.parametrize(
+    "text",
+    ["0,1\n0,2\n", "a,b\n0,01\n0,02\n", "0.5,1\n1,2\n", "0, 1\n0, 2\n", "on,n\nbob 1,1\nbob 2,2\n"],
+)
+def test_commas_that_separate_columns(text, tmp_path):
+    """Between whole numbers, too, where no other separator or heading tells of decimals."""
+    (tmp_path / "row.csv").write_text(text)
+    assert drawn.column({"file": "row.csv", "column": 2}, tmp_path) == [1.0, 2.0]
+
+
+@pytest.mark.parametrize(
     ("table", "message"),
     [
         ({"normal": [2.0]}, r"asperite.kappa.normal: must be \[mean, standard deviation\]"),
@@ -94,6 +105,14 @@ def test_refused_columns(tmp_path):
         ("a\n1\nx\n", None, "row 2 must have a number, got 'x'"),
         ("a\n1\n2\n", None, "size 400, got size 2"),
         ("", None, "has no rows"),
+        ("0,1\n0,2\n", None, "column: is missing; the file has 2 columns: the first row is 0, 1"),
+        ("0,8;10,5\n1,2;3,5\n", 1, "got a decimal comma in the line '0,8;10,5'; write 0.5 for"),
+        ("a b\n0,8 10,5\n", 2, "got a decimal comma in the line '0,8 10,5'"),
+        ("height\n0,8\n1,2\n", 1, "decimal comma"),
+        ("0,8\n1\n1,2\n", 1, "decimal comma"),
+        ("0,8\n1,05\n", 1, "got a decimal comma in the line '1,05'"),
+        ("a,b\n0,8,1,5\n", 1, "got 2 headings and 4 columns"),
+        ("\0\1", None, r"file: must be a text file .*\{topography = "),
     ):
         path.write_text(text)
         table = {"file": str(path)} | ({} if column is None else {"column": column})

@@ -268,6 +268,10 @@ def test_a_matrix_as_text_is_turned(tmp_path):
     ("text", "message"),
     [
         ("nothing", r"scan\.txt cannot be read: it has no format that SurfaceTopography knows; "),
+        ("1,2.5,3,4\n" * 4, "blanks between numbers, got commas between numbers; write blanks"),
+        ("1,2,3,4\n" * 4, "got commas between numbers; write blanks"),
+        ("1;2;3;4\n" * 4, "got semicolons between numbers; write blanks"),
+        ("1,5 2,5 3\n" * 4, "got a decimal comma in the line '1,5 2,5 3'; write 0.5 for 0,5"),
         ("1 2 3 4\n" * 4, r"scan\.txt cannot be read \(.*sizes.*\); in Python, give the object"),
     ],
 )

@@ -438,6 +438,10 @@ def test_files_of_columns(text, settings, tmp_path):
         (LAMMPS.format("A") + LAMMPS.format("B"), {}, 'section: must be one of .*: "A", "B"'),
         (LAMMPS.format("A")[:-14], {}, "must have as many rows as N in line 4 says"),
         ("1 2\n", {"section": "A"}, "section: cannot be given"),
+        ("0,8;10,5\n1,2;3,5\n", {"columns": [1, 3]}, "decimal comma in the line '0,8;10,5'; write"),
+        ("r U\n0,8 10\n1,2 3,5\n", {"columns": [1, 2]}, "decimal comma in the line '0,8 10'"),
+        ("8,05e-01\t2,1E+01\n1\t3\n", {"columns": [1, 3]}, "decimal comma"),
+        ("r,U\n0,8,10,5\n", {"columns": [1, 2]}, "got 2 headings and 4 columns"),
     ],
 )
 def test_columns_that_are_not_clear(text, settings, message, tmp_path):

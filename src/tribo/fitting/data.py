@@ -73,7 +73,14 @@ def _from_csv(path: Path, quantity: str) -> tuple[np.ndarray, np.ndarray]:
         rows = list(csv.reader(lines, delimiter=delimiter))
     columns = (0, 1)
     if not _is_number(rows[0][0]):
-        columns = _columns_of([word.strip() for word in rows.pop(0)], quantity, path)
+        names = [word.strip() for word in rows.pop(0)]
+        columns = _columns_of(names, quantity, path)
+        if delimiter and rows and len(rows[0]) > len(names):
+            raise InputError(
+                "data",
+                f"{path} must have a name for each column, got {len(names)} names and "
+                f"{len(rows[0])} columns in the first row; decimals need points",
+            )
     table = []
     for (number, line), row in zip(numbered[-len(rows) :], rows, strict=False):
         try:

@@ -12,6 +12,7 @@ from typing import Any
 import numpy as np
 
 from tribo import validation as check
+from tribo.decimal_commas import check_commas
 from tribo.files import read_file
 from tribo.validation import InputError, known_keys, must_be
 
@@ -69,16 +70,31 @@ def column(table: Mapping[str, Any], folder: Path) -> list[float]:
 
     A file has a row for each asperite, in the order of the surface; columns are separated by
     commas, semicolons or blanks, and are named by headings in the first row, or numbered from 1.
+    Decimals have points; a comma between two whole numbers separates columns, as in 0,5.
     """
     given = known_keys(table, (FILE, "column"))
     path = folder / check.as_path(given[FILE])
-    text = read_file(path).decode("utf-8-sig", errors="replace")
+    content = read_file(path)
+    if b"\0" in content:
+        raise InputError(
+            FILE,
+            f"must be a text file with columns, got {path}, which is not text; "
+            '{topography = "scan.npy"} reads heights of other formats',
+        )
+    text = content.decode("utf-8-sig", errors="replace")
     lines = [line.split("#")[0].strip() for line in text.splitlines()]
+    check_commas(path, lines)
     separator = next((mark for mark in (",", ";") if any(mark in line for line in lines)), None)
     rows = [[word.strip().strip('"') for word in line.split(separator)] for line in lines if line]
     if not rows:
         raise InputError(FILE, f"{path} has no rows")
     headings = [] if _is_number(rows[0][0]) else rows.pop(0)
+    if separator and headings and rows and len(rows[0]) > len(headings):
+        raise InputError(
+            FILE,
+            f"{path} must have a heading for each column, got {len(headings)} headings and "
+            f"{len(rows[0])} columns in the first row; decimals need points",
+        )
     place = _place(given.get("column"), headings, rows)
     found = []
     for i, row in enumerate(rows):
@@ -96,7 +112,11 @@ def _place(given: object, headings: list[str], rows: list[list[str]]) -> int:
     width = max(len(headings), *(len(row) for row in rows), 1)
     if given is None:
         if width > 1:
-            raise InputError("column", f"is missing; the file has {width} columns")
+            raise InputError(
+                "column",
+                f"is missing; the file has {width} columns: the first row is "
+                f"{check.shortened(rows[0])}",
+            )
         return 0
     return check.integer("column", given, 1, width) - 1
 

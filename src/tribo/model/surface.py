@@ -451,4 +451,7 @@ def as_heights(value: object, grid: Grid) -> np.ndarray | Roughness | Topography
             roughness = from_table(Roughness, value, ["rms"])
             roughness.check(shape, spacing)
         return roughness
+    if isinstance(value, str):
+        wanted = f'{shape[0] * shape[1]} numbers [length], {{topography = "scan.npy"}}, or '
+        raise check.must_be("heights", f'{wanted}{{file = "heights.csv", column = 1}}', value)
     return check.vector("heights", value, size=shape[0] * shape[1], unit="length")

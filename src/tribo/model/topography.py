@@ -17,6 +17,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from tribo import validation as check
+from tribo.decimal_commas import decimal_comma
 from tribo.model.tables import ComparedByValue, table_of
 from tribo.validation import InputError, inside, must_be
 
@@ -27,6 +28,12 @@ METRES |= {"A": 1e-10, "Å": 1e-10, "pm": 1e-12}
 TRENDS = {"plane": "height", "mean": "center", "curvature": "curvature", "none": None}
 # Spreads of most heights beyond which one is noted: of -9999, say, where there is none.
 OUTLYING = 100.0
+# The characters of rows of numbers.
+NUMERIC = frozenset("0123456789+-.eE,; \t")
+# Bytes of a file that tell which separators it has.
+BEGINNING = 100_000
+# Coordinates and height of a point, which may have commas or semicolons between them.
+POINT = 3
 # Ratio up to which two lengths are the same, in spite of rounding.
 ROUNDING = 1.0 + 1e-9
 
@@ -285,6 +292,7 @@ def _read(path: str, channel: str | int | None = None, size: Any = None) -> Any:
         raise InputError(
             "topography", "needs SurfaceTopography: pip install '.[topography]' in the checkout"
         ) from None
+    _check_separators(path)
     settings: dict[str, Any] = {}
     if size is not None:
         settings["physical_sizes"] = tuple(np.atleast_1d(size).tolist())
@@ -321,6 +329,33 @@ def _read(path: str, channel: str | int | None = None, size: Any = None) -> Any:
             f"{path} cannot be read ({problem}); in Python, give the object "
             "that SurfaceTopography reads from it; the key size gives a size that is missing",
         ) from None
+
+
+def _check_separators(path: str) -> None:
+    """Refuse text of numbers with decimal commas, or a matrix with commas.  Raises InputError.
+
+    Of its size, a reader of binary heights may take such a text for its own.
+    """
+    with open(path, "rb") as file:
+        start = file.read(BEGINNING)
+    lines = start.decode("utf-8-sig", errors="replace").splitlines()
+    if len(start) == BEGINNING:
+        lines = lines[:-1]  # which may end anywhere
+    rows = [line.strip() for line in lines if line.strip() and line.lstrip()[0] != "#"]
+    if not rows or not NUMERIC.issuperset("".join(rows)):
+        return
+    comma = decimal_comma(rows)
+    if comma is not None:
+        problem = f"a decimal comma in the line {check.short_repr(comma)}; write 0.5 for 0,5"
+    elif rows[0].count(";") >= POINT:
+        problem = "semicolons between numbers; write blanks"
+    elif rows[0].count(",") >= POINT:
+        problem = "commas between numbers; write blanks"
+    else:
+        return
+    raise InputError(
+        "topography", f"{path} must have decimal points and blanks between numbers, got {problem}"
+    )
 
 
 def _check_no_points(scan: Any) -> None:

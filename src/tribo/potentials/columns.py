@@ -1,9 +1,9 @@
 """Columns of numbers in text files: two of them, of distances and energies.
 
-Numbers are separated by commas, semicolons, blanks or tabs; exponents may begin with D, as Fortran
-writes them.  Empty lines, and what follows #, are skipped.  One line of headings may come before
-the numbers.  A file of LAMMPS's ``pair_style table`` has sections: a keyword, a line "N n ..." and
-n rows of index, distance, energy and force.
+Numbers are separated by commas, semicolons, blanks or tabs, and have decimal points; exponents may
+begin with D, as Fortran writes them.  Empty lines, and what follows #, are skipped.  One line of
+headings may come before the numbers.  A file of LAMMPS's ``pair_style table`` has sections: a
+keyword, a line "N n ..." and n rows of index, distance, energy and force.
 """
 
 import re
@@ -13,6 +13,7 @@ from typing import NamedTuple
 
 import numpy as np
 
+from tribo.decimal_commas import check_commas
 from tribo.files import read_file
 from tribo.validation import InputError, is_list, must_be, shortened
 
@@ -47,6 +48,7 @@ def read_columns(path: Path, columns: object, section: object) -> tuple[list[flo
         raise InputError("section", f"cannot be given, as {path} has no sections")
     elif lines and not any(map(_is_number, lines[0].words)):
         headings = lines[0].words
+        _check_headings(path, lines)
         lines = lines[1:]
     count = len(lines[0].words) if lines else 2
     places = _places(path, columns, headings, count)
@@ -67,6 +69,7 @@ def _lines(path: Path) -> list[Line]:
         words = re.split(r"\s*[,;]\s*|\s+", line.partition("#")[0].strip())
         if words != [""]:
             found.append(Line(number, line.strip(), words))
+    check_commas(path, (line.text.partition("#")[0] for line in found))
     return found
 
 
@@ -86,6 +89,22 @@ def _sections(path: Path, lines: list[Line]) -> dict[str, list[Line]]:
             "file", f"{path} has a row beyond N of its section in line {lines[0].number}"
         )
     return found
+
+
+def _check_headings(path: Path, lines: list[Line]) -> None:
+    """Refuse rows with more numbers than the headings above them.  Raises InputError.
+
+    Headings may contain blanks, so that commas or semicolons have to separate them.
+    """
+    headings = lines[0]
+    if re.search("[,;]", headings.text) and any(
+        len(line.words) > len(headings.words) for line in lines[1:2]
+    ):
+        raise InputError(
+            "file",
+            f"{path} must have a heading for each column, got {len(headings.words)} headings and "
+            f'{len(lines[1].words)} columns in "{lines[1].text}"; decimals need points',
+        )
 
 
 def _places(path: Path, columns: object, headings: list[str], count: int) -> list[int]:
