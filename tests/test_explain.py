@@ -378,6 +378,15 @@ def test_formulas_that_do_not_compile_for_lanes():
         assert explanation.contact(lay_out(scene), METHODS["verlet"]).scalar == scalar
 
 
+def test_the_formula_within_a_cutoff_is_named():
+    """The class of a cutoff is none that its user wrote."""
+    waves = expression("a * sin(r)", a=0.1)
+    contact = 2.0 * waves.with_cutoff(2.5) + tribo.Morse(1.0, 2.0, 1.0)
+    scene = replace(two_rows(interactions=contact), numerics=STEPPED)
+    found = explanation.contact(lay_out(scene), METHODS["verlet"])
+    assert found.scalar == (type(waves).__name__,)
+
+
 def test_seconds_are_evaluations_times_their_time(monkeypatch):
     """Of a short run with a given step."""
     monkeypatch.setattr(prediction, "_measured", lambda *given: 1e-3)

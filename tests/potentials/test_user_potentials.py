@@ -10,6 +10,7 @@ import tribo.potentials
 from support.scene_tables import scene_from
 from tribo import InputError
 from tribo.potentials import as_potential
+from tribo.potentials.potential import complete
 
 HEAD = """import math
 import numba
@@ -285,3 +286,58 @@ def test_constraints_of_a_user_potential(tmp_path):
     with pytest.raises(InputError) as caught:
         scene("own.py:Own", tmp_path)
     assert str(caught.value) == "interaction[0].s: must be above 2, got 1.0"
+
+
+class Plain(tribo.Potential):
+    """A potential of one parameter."""
+
+    s: float
+
+    def energy(self, r):
+        return self.s / r
+
+
+class Unannotated(tribo.Potential):
+    """A number that is no field."""
+
+    h = 2.5
+
+    def energy(self, r):
+        return self.h / r
+
+
+class Initialized(tribo.Potential):
+    """A number that __init__ sets."""
+
+    def __init__(self, h):
+        self.h = h
+
+    def energy(self, r):
+        return self.h / r
+
+
+@pytest.mark.parametrize(
+    ("use", "words"),
+    [
+        (
+            lambda: as_potential(Plain),
+            r"must be an instance, Plain\(s=\.\.\.\), got the class Plain",
+        ),
+        (
+            lambda: as_potential(Unannotated()),
+            r"Unannotated has no parameters; .* as h: float = 2\.5 in the class$",
+        ),
+        (lambda: complete(Initialized), r"Initialized has no .* in the class instead of __init__$"),
+    ],
+)
+def test_classes_without_fields_and_instances(use, words):
+    """The message says what to write."""
+    with pytest.raises(InputError, match="^potential: " + words):
+        use()
+
+
+def test_a_class_as_another_plug_in():
+    """Fields, drives and forces on bars are instances too."""
+    upper = tribo.Surface("upper")
+    with pytest.raises(InputError, match="must be an instance, as Own"):
+        tribo.Scene((upper,), (), 1.0, fields=[tribo.Field(Broken, on=["upper"])])

@@ -22,6 +22,8 @@ from tribo.loops.general import GeneralLoop
 from tribo.loops.setting import Setting
 from tribo.model.effects import EFFECTS, Effect, reason_for
 from tribo.model.scene import Scene
+from tribo.plugins.classes import parts
+from tribo.potentials.potential import Potential
 from tribo.threads.shared_run import Threads, threads_of
 from tribo.validation import inside, instance
 
@@ -279,8 +281,17 @@ def contact(layout: Layout, method: Method) -> Contact:
     acting = [each.potential for each in layout.model.contacts]
     if not config.DISABLE_JIT:  # type: ignore[attr-defined]
         acting = [each for each in acting if not is_vectorized(type_of(each))]
-    names = tuple(dict.fromkeys(type(each).__name__ for each in acting))
+    names = tuple(dict.fromkeys(name for each in acting for name in _scalar_parts(each)))
     loop = GeneralLoop(layout, method, Setting(step=1.0), layout.start, 0.0)
     if method.splits:  # which select the asperites that they step
         loop.advance(layout.times[-1:], loop.room(1), 0)
     return Contact(*pairs_of_bobs(layout), "scalar" if names else "lanes", names, loop.inactive)
+
+
+def _scalar_parts(potential: Potential) -> list[str]:
+    """The formulas for which a potential does not compile in lanes, without cutoffs and sums."""
+    formulas = [part for part in parts(potential) if len(list(parts(part))) == 1]
+    scalar = []
+    if not config.DISABLE_JIT:  # type: ignore[attr-defined]
+        scalar = [part for part in formulas if not is_vectorized(type_of(part))]
+    return [type(part).__name__ for part in scalar or formulas]

@@ -62,13 +62,27 @@ def check_class(cls: object, field: str, method: str, otherwise: str = "") -> No
     """Raise InputError, about `field`, if a class is not a plug-in that has `method`."""
     if cls is Unloaded:
         return
+    if isinstance(cls, type) and issubclass(cls, type):
+        raise InputError(field, "must be an instance, as Own(1.0), got the class itself")
     name = getattr(cls, "__name__", repr(cls))
     if not (isinstance(cls, type) and issubclass(cls, tuple) and hasattr(cls, "_fields")):
         raise InputError(field, f"{name} must be a NamedTuple whose fields are numbers{otherwise}")
     if not cls._fields:
-        raise InputError(field, f"{name} has no parameters; give it at least one field")
+        problem = f"{name} has no parameters; give it at least one field, {_field_like(cls)}"
+        raise InputError(field, problem)
     if not callable(getattr(cls, method.partition("(")[0], None)):
         raise InputError(field, f"{name} has no method {method}")
+
+
+def _field_like(cls: type) -> str:
+    """How a class without fields would declare one, after a number that it has instead."""
+    numbers = (
+        f"{name}: float = {value!r}"
+        for name, value in vars(cls).items()
+        if not name.startswith("_") and type(value) in (int, float)
+    )
+    shown = f"as {next(numbers, 'h: float = 1.0')} in the class"
+    return shown + " instead of __init__" * ("__init__" in vars(cls))
 
 
 def as_built_in(value: Any) -> Any:

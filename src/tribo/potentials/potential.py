@@ -388,6 +388,10 @@ def as_potential(value: Any) -> Any:
     """
     if isinstance(value, Unloaded):
         return value  # only a scene that is run needs more
+    if isinstance(value, type) and hasattr(value, "_fields"):
+        fields = ", ".join(f"{name}=..." for name in value._fields)
+        problem = f"must be an instance, {value.__name__}({fields}), got the class {value.__name__}"
+        raise InputError("potential", problem)
     if not hasattr(value, "_fields"):
         wanted = "a potential, of a class that derives from tribo.Potential or a NamedTuple"
         raise must_be("potential", wanted, value)
