@@ -119,6 +119,39 @@ def test_film(result, tmp_path):
     assert film.picture(23).width == 400
 
 
+def over_a_corrugation(speed):
+    """A result of a tip that moves over a corrugation of period 1 with a minimum at 0.25."""
+    tip = tribo.Surface("tip", bob=(0.25, 1.0), velocity=(speed, 0.0), drive="bars")
+    field = tribo.Field(tribo.Corrugation(0.1, 1.0), on=["tip"], origin=(0.25, 0.0))
+    scene = tribo.Scene((tip,), (), 4.0, fields=(field,), output=tribo.Output(samples=5))
+    return tribo.simulate(scene, method="verlet", step=0.01)
+
+
+def test_snapshots_show_the_motion_over_a_corrugation():
+    """All show one stretch of the line, in which the tip moves by the way that it goes."""
+    result = over_a_corrugation(1.0)
+    ax = result.plot.snapshots([0.0, 4.0])
+    first, last = ax.get_lines()
+    shift = last.get_xydata()[0] - first.get_xydata()[0]
+    assert np.allclose(last.get_xydata(), first.get_xydata() + shift)
+    _, _, _, _, _, bobs, _, _ = zip(ax.collections[:8], ax.collections[8:], strict=True)
+    start, end = (part.get_paths()[0].vertices[:-1].mean(axis=0) for part in bobs)
+    moved = np.ptp(result["tip"].x_bob[:, 0])
+    assert (end - start - shift)[0] == pytest.approx(moved)
+    x, y = first.get_xydata().T
+    assert y.max() < start[1]
+    lowest = x[y < y.min() + 0.01 * np.ptp(y)] - start[0]
+    assert lowest == pytest.approx(np.round(lowest), abs=0.05)
+
+
+def test_snapshots_of_a_long_way_are_apart():
+    """A tip that goes far is not drawn as a point in a long picture."""
+    result = over_a_corrugation(20.0)
+    first, last = result.plot.snapshots([0.0, 4.0]).get_lines()
+    assert np.ptp(first.get_xdata()) == pytest.approx(np.ptp(last.get_xdata()), abs=0.2)
+    assert np.ptp(first.get_xdata()) < 4.0
+
+
 def test_springs_between_bars():
     """Each lattice spring is a line from bar to bar, but for one around a ring."""
     springs = tribo.Springs(stiffness=1.0, wrap=True)

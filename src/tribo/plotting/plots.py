@@ -225,7 +225,9 @@ class Plots:
         """Draw all asperites at one or several times.
 
         Narrow snapshots stand in a row, wide ones below one another.  More than 120 asperites are
-        drawn as their bobs alone, coloured by swing.
+        drawn as their bobs alone, coloured by swing.  Beside a single surface, a line shows the
+        corrugation of its field, and all snapshots show one stretch of it if that is at most 6
+        times as wide as one of them.
 
         Parameters
         ----------

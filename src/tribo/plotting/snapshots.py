@@ -9,6 +9,7 @@ import numpy as np
 
 from tribo.plotting import marks
 from tribo.plotting.contacts import force_arrows
+from tribo.plotting.corrugations import corrugation_line
 from tribo.plotting.curves import swing_of
 from tribo.plotting.picture import Picture, colour_bar
 from tribo.plotting.pose import Pose, nearest_sample, pose
@@ -28,6 +29,8 @@ MARGIN = 50.0
 BAR_ROOM = 30.0
 # Room at the sides for the arrows of forces [rod length].
 ARROW_ROOM = 0.4
+# Most times that a stretch of a corrugation in all snapshots is as wide as one of them alone.
+MOST_WIDER = 6.0
 # Of all changes of the contact energy, the parts before the first and after the last time that is
 # chosen: most of an encounter lies between these times, and the asperites are near each other.
 BEFORE = 0.15
@@ -73,6 +76,9 @@ def snapshots(
     poses = [pose(result, float(result.t[k]), bath, wrap=True) for k in samples]
     room = 0.0 if forces is None else ARROW_ROOM * float(poses[0].rods.max())
     boxes = np.array([now.box for now in poses]) + np.array([-room, room, 0.0, 0.0])
+    line = corrugation_line(result.scene, poses)
+    if line is not None:
+        boxes = _on_one_stretch(np.array([line.in_box(marks.Box(*box)) for box in boxes]))
     widths = boxes[:, 1] - boxes[:, 0]
     heights = boxes[:, 3] - boxes[:, 2]
     # In a row, pictures are small if it is much wider than high.
@@ -91,10 +97,12 @@ def snapshots(
         left, right, bottom, top = layout.view
         swing = typical_swing(result)
         labels = marks.time_labels(result.t[samples].tolist())
-        for now, shift, place, label in zip(
-            poses, layout.shifts, layout.labels, labels, strict=True
+        for k, now, box, shift, place, label in zip(
+            samples, poses, boxes, layout.shifts, layout.labels, labels, strict=True
         ):
             shown = now.shifted(shift)
+            if line is not None:
+                line.draw(ax, float(result.t[k]), marks.Box(*box), shift, point)
             picture = Picture(ax, shown, point, swing)
             marks.note(ax, place, label, ha=layout.align)
             if forces is not None:
@@ -106,6 +114,21 @@ def snapshots(
             colour_bar(ax, picture.swings, place, 0.38 * (right - left), 4.0 * point)
         ax.set(xlim=(left, right), ylim=(bottom, top), aspect="equal")
     return ax
+
+
+def _on_one_stretch(boxes: np.ndarray) -> np.ndarray:
+    """Boxes (n, 4) that all reach from the leftmost to the rightmost, so that motion is seen.
+
+    They stay as they are where each would be too small in such a picture.
+    """
+    left = boxes[:, 0].min()
+    right = boxes[:, 1].max()
+    if right - left > MOST_WIDER * np.max(boxes[:, 1] - boxes[:, 0]):
+        return boxes
+    common = boxes.copy()
+    common[:, 0] = left
+    common[:, 1] = right
+    return common
 
 
 class _Layout(NamedTuple):
