@@ -184,6 +184,17 @@ def test_refusals(key, value, field, problem):
     assert caught.value.field == field and problem in caught.value.problem
 
 
+def test_hints_at_one_of_two_reservoirs():
+    """Keys of the part that is named, and not the temperature of the start."""
+    reservoirs = [{"gamma": 0.1, "on": "bar"}, {"gamma": 0.5, "on": "swing"}]
+    scene = tribo.Scene((tribo.Surface("block", langevin=reservoirs),), (), 1.0)
+    hint = 'known key; did you mean "block.langevin.bar.temperature" or "block.langevin.swing.t'
+    with pytest.raises(InputError, match=hint):
+        with_values(scene, {"block.langevin.temperature": 0.1})
+    with pytest.raises(InputError, match=r"known here: block\.langevin\.bar\.gamma, block\.l"):
+        with_values(scene, {"block.langevin.xyz": 0.1})
+
+
 def test_the_only_interaction():
     """Without an interaction its keys are refused."""
     scene = tribo.Scene((tribo.Surface("one"),), (), 1.0)

@@ -45,7 +45,7 @@ from tribo.model.surface import Surface
 from tribo.model.tables import changed, field_names, from_table, table_of
 from tribo.plugins.classes import instance
 from tribo.potentials import by_key
-from tribo.validation import InputError, inside, is_list, known_keys, number
+from tribo.validation import InputError, inside, is_list, known_keys, number, shortened
 
 # The values of the scene itself that have keys.
 OF_SCENE = ("duration", "seed", "title")
@@ -311,7 +311,11 @@ def _unknown(scene: Scene, key: str) -> InputError:
         if outer == kind and part:
             return InputError(key, f"needs one {kind}, and the scene has {len(items)}")
     keys = _keys_of(scene)
-    if part:
+    own = [each for each in keys if each.startswith(f"{part}.")] if part != outer else []
+    if own:
+        # A part of a surface that has parts itself, as both reservoirs have.
+        hint = _meant(name, own) or f"known here: {shortened(own)}"
+    elif part:
         near = [outer]
         if not any(each.startswith(f"{outer}.") for each in keys):
             near = difflib.get_close_matches(part, _parts_of(scene), n=1)
