@@ -362,6 +362,21 @@ def test_values_in_place_of_the_file(run, tmp_path):
     assert status == 0 and (end["method"], end["steps"]) == ("midpoint", 400)
 
 
+def test_a_table_as_text(run, tmp_path):
+    """A file that ends on .csv has the series; it cannot be continued, and has no parts."""
+    out = tmp_path / "run.csv"
+    status, printed, err = run(SCENE, "--out", str(out), "--samples", "11")
+    assert status == 0 and err == "" and "run.nc" not in printed
+    head, *rows = out.read_text().splitlines()
+    assert head.startswith("time,upper.theta,") and len(rows) == 11
+    assert {path.name for path in tmp_path.iterdir()} == {"scene.toml", "broken.py", "run.csv"}
+    status, _, err = run(SCENE, "--out", str(out), "--resume")
+    assert status == 2 and err.startswith("tribo: --resume: needs a file that ends on .nc, got ")
+    status, _, err = run(SCENE, "--out", str(tmp_path / "run.png"))
+    assert status == 2 and "must end on .nc or .csv" in err
+    assert "--figure writes figures, and tribo view a page" in err
+
+
 WRONG = [
     (["--set", "upper.velocity"], "--set: must be KEY=VALUE, got 'upper.velocity'"),
     (["--set", "uper.theta=1"], '--set uper.theta: is not a known key; did you mean "upper.theta"'),

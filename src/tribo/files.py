@@ -56,10 +56,13 @@ def netcdf_target(field: str, path: Path, others: str = "") -> Path:
     """
     target = checked_target(field, path)
     if path.suffix.lower() != NETCDF:
+        is_option = field.startswith("--")
+        figures = "--figure" if is_option else "tribo.plotting.save"
+        page = "tribo view" if is_option else "result.to_html"
         raise InputError(
             field,
             f"must end on .nc{others}, as it is a NetCDF file{others and ' or a table'}, got "
-            f"{str(path)!r}; tribo.plotting.save writes figures, and result.to_html a page",
+            f"{str(path)!r}; {figures} writes figures, and {page} a page",
         )
     return target
 

@@ -3,6 +3,7 @@
 import re
 from dataclasses import replace
 from html import unescape
+from pathlib import Path
 
 import pytest
 
@@ -32,6 +33,20 @@ def test_contents(page):
     text = page.read_text(encoding="utf-8")
     assert "http://" not in text.replace("http://www.w3.org", "") and "https://" not in text
     assert "default-src 'none'" in text and "<svg" in text
+
+
+def test_pages_of_other_commands_are_kept(tmp_path, capsys, monkeypatch):
+    """`live` and `view` have one default page, which the other one replaces only by its name."""
+    monkeypatch.chdir(tmp_path)
+    tribo.paper.scene("D").save("d.toml")
+    for first, second in (("live", "view"), ("view", "live")):
+        assert main([first, "d.toml", "-o", "d.html"]) == 0
+        written = Path("d.html").read_bytes()
+        assert main([first, "d.toml"]) == 0 and main([second, "d.toml"]) == 2
+        assert f"tribo: --out: must be given, as d.html is a page of tribo {first}; -o d.html" in (
+            capsys.readouterr().err
+        )
+        assert Path("d.html").read_bytes() == written
 
 
 def test_command(tmp_path, capsys, monkeypatch):

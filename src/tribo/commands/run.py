@@ -25,7 +25,8 @@ def add_run(run: argparse.ArgumentParser) -> None:
     """Add the arguments and options of `tribo run`."""
     shared.add_scene(run, "SCENE.toml|FILE.nc")
     out = "write all time series as NetCDF; until the run is complete, FILE.part contains its "
-    shared.add_files(run, f"{out}samples", "print the result if FILE is complete")
+    out += "samples; or as a table, if FILE ends on .csv"
+    shared.add_files(run, out, "print the result if FILE is complete")
     shared.add_numerics(run)
     run.add_argument("--samples", metavar="N", help="number of evenly spaced times to record")
     threads = "threads that share each step of a large surface; the results do not depend on it "
@@ -37,13 +38,15 @@ def add_run(run: argparse.ArgumentParser) -> None:
 
 def _run(options: argparse.Namespace) -> int:
     """Run a scene, or repeat the run of a result file; print the end and draw the works."""
-    shared.check_files(options)
+    shared.check_files(options, " or .csv")
     shared.check_figure(options.figure)
     if options.scene.suffix == ".nc":
         result, same = _repeated(options)
     else:
         result = _simulated(options)
         same = True
+    if shared.is_table(options.out):
+        result.save(options.out)
     print(result.to_json() if options.json else f"{result}\n\n{_next(options, result)}")
     shared.draw_to(options.figure, partial(_draw, result))
     return COMPLETED if result.status == "completed" and same else STOPPED
@@ -54,6 +57,8 @@ def _next(options: argparse.Namespace, result: Result) -> str:
     given = options.scene
     scene = quote(str(given))
     kept = quote(str(options.out or given.with_suffix(".nc")))
+    if shared.is_table(options.out):
+        return f"Next:  tribo view {scene}   writes a page that plays the run"
     if options.out is not None and result.status == "Interrupted":
         return f"Next:  the same command with --resume   goes on from {kept}.part"
     if options.out is not None or given.suffix == ".nc":
@@ -84,10 +89,11 @@ def _simulated(options: argparse.Namespace) -> Result:
 
 
 def _of_run(options: argparse.Namespace) -> dict[str, Any]:
-    """The file, and the number of threads if it is given.  Raises InputError."""
+    """The NetCDF file, and the number of threads if it is given.  Raises InputError."""
     given = options.threads
     threads = None if given is None else integer("--threads", shared.parsed(given), 1)
-    return {"out": options.out, "resume": options.resume, "threads": threads}
+    out = None if shared.is_table(options.out) else options.out
+    return {"out": out, "resume": options.resume, "threads": threads}
 
 
 def _repeated(options: argparse.Namespace) -> tuple[Result, bool]:

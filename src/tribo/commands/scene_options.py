@@ -11,7 +11,7 @@ from collections.abc import Callable, Iterable
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from tribo.files import PART, checked_target, netcdf_target
+from tribo.files import PART, checked_target, netcdf_target, read_file
 from tribo.interrupts import part_is_kept_in
 from tribo.validation import InputError, must_be
 
@@ -26,6 +26,10 @@ ARGUMENTS = {
     *("command", "scene", "trace", "case", "potential", "parameters"),
     *("names", "beside", "file", "files", "kind", "shell"),
 }
+# What the pages of each command contain, and others do not.
+PAGES = {"live": '<main id="live">', "view": '<main id="player">'}
+# The ending of names of tables as text.
+CSV = ".csv"
 # How problems of an argument begin that is not given.
 MISSING = ("is missing", "is empty")
 # Of an option that may be given several times.
@@ -49,13 +53,25 @@ def add_files(command: argparse.ArgumentParser, out: str, otherwise: str) -> Non
     command.add_argument("--resume", action="store_true", help=resume)
 
 
-def check_files(options: argparse.Namespace) -> None:
-    """Raise InputError where --out cannot be written, or --resume has nothing to continue."""
+def check_files(options: argparse.Namespace, others: str = "") -> None:
+    """Raise InputError where --out cannot be written, or --resume has nothing to continue.
+
+    `others` names the other endings of files that the command writes, as " or .csv".
+    """
     if options.resume and options.out is None:
         raise InputError("--resume", "needs --out FILE")
-    if options.out is not None:
-        netcdf_target("--out", options.out)
+    if others and is_table(options.out):
+        checked_target("--out", options.out)
+        if options.resume:
+            raise InputError("--resume", f"needs a file that ends on .nc, got {options.out}")
+    elif options.out is not None:
+        netcdf_target("--out", options.out, others)
         part_is_kept_in(f"{options.out}{PART}")
+
+
+def is_table(out: Path | None) -> bool:
+    """Whether a file to write is a table as text, which contains nothing before the end."""
+    return out is not None and out.suffix.lower() == CSV
 
 
 def add_scene(
@@ -171,6 +187,22 @@ def of_option(error: InputError, options: argparse.Namespace) -> InputError:
     if not is_given and not is_missing:
         return error
     return InputError(f"--{name.replace('_', '-')} {rest}".strip(), error.problem)
+
+
+def page_of(options: argparse.Namespace, other: str) -> Path:
+    """The page that a command writes, by default beside the scene.
+
+    Raises InputError where no option names it and it is one of the command `other`.
+    """
+    if options.out is not None:
+        return Path(options.out)
+    page: Path = options.scene.with_suffix(".html")
+    if page.is_file() and PAGES[other].encode() in read_file(page):
+        raise InputError(
+            "--out",
+            f"must be given, as {page} is a page of tribo {other}; -o {page} replaces that page",
+        )
+    return page
 
 
 def by_key(option: str, texts: Iterable[str]) -> dict[str, str]:

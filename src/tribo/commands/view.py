@@ -68,14 +68,15 @@ def _view(options: argparse.Namespace) -> int:
     from tribo.viewer.contents import contents
     from tribo.viewer.html import document
 
-    out = page_target("--out", options.out or options.scene.with_suffix(".html"))
+    page = shared.page_of(options, "live")
+    out = page_target("--out", page)
     if options.slider:
         if options.scene.suffix != ".toml" or options.beside is not None:
             raise InputError("--slider", "needs one scene file")
         from tribo.sliders import grid_page
 
         scene = shared.load_with_values(options)
-        page = grid_page(scene, _sliders(options, scene), options.bath)
+        text = grid_page(scene, _sliders(options, scene), options.bath)
         complete = True
     else:
         files = [options.scene] if options.beside is None else [options.scene, options.beside]
@@ -86,9 +87,9 @@ def _view(options: argparse.Namespace) -> int:
         if others:
             source["beside"] = {"run": others[0], "name": options.beside.name}
             source["name"] = options.scene.name
-        page = document(source)
-    replace_file(out, page.encode())
-    print(options.out or options.scene.with_suffix(".html"))
+        text = document(source)
+    replace_file(out, text.encode())
+    print(page)
     return COMPLETED if complete else STOPPED
 
 
