@@ -3,7 +3,6 @@
 import re
 from dataclasses import replace
 from html import unescape
-from pathlib import Path
 
 import pytest
 
@@ -35,18 +34,18 @@ def test_contents(page):
     assert "default-src 'none'" in text and "<svg" in text
 
 
-def test_pages_of_other_commands_are_kept(tmp_path, capsys, monkeypatch):
-    """`live` and `view` have one default page, which the other one replaces only by its name."""
+def test_replaced_pages_of_other_commands(tmp_path, capsys, monkeypatch):
+    """`live` and `view` have one default page; a line says that one replaces that of the other."""
     monkeypatch.chdir(tmp_path)
     tribo.paper.scene("D").save("d.toml")
     for first, second in (("live", "view"), ("view", "live")):
-        assert main([first, "d.toml", "-o", "d.html"]) == 0
-        written = Path("d.html").read_bytes()
-        assert main([first, "d.toml"]) == 0 and main([second, "d.toml"]) == 2
-        assert f"tribo: --out: must be given, as d.html is a page of tribo {first}; -o d.html" in (
-            capsys.readouterr().err
+        assert main([first, "d.toml", "-o", "d.html"]) == 0 and main([first, "d.toml"]) == 0
+        assert capsys.readouterr().err == ""
+        assert main([second, "d.toml"]) == 0
+        assert capsys.readouterr().err == (
+            f"tribo: d.html was a page of tribo {first}, and is replaced; -o d_{second}.html "
+            "keeps both\n"
         )
-        assert Path("d.html").read_bytes() == written
 
 
 def test_command(tmp_path, capsys, monkeypatch):

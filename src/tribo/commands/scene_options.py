@@ -192,15 +192,16 @@ def of_option(error: InputError, options: argparse.Namespace) -> InputError:
 def page_of(options: argparse.Namespace, other: str) -> Path:
     """The page that a command writes, by default beside the scene.
 
-    Raises InputError where no option names it and it is one of the command `other`.
+    A line says so where that replaces a page of the command `other`, whose default it is too.
     """
     if options.out is not None:
         return Path(options.out)
     page: Path = options.scene.with_suffix(".html")
     if page.is_file() and PAGES[other].encode() in read_file(page):
-        raise InputError(
-            "--out",
-            f"must be given, as {page} is a page of tribo {other}; -o {page} replaces that page",
+        kept = page.with_stem(f"{page.stem}_{options.command}")
+        print(
+            f"tribo: {page} was a page of tribo {other}, and is replaced; -o {kept} keeps both",
+            file=sys.stderr,
         )
     return page
 
