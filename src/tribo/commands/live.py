@@ -22,7 +22,7 @@ def add_live(live: argparse.ArgumentParser) -> None:
 def _live(options: argparse.Namespace) -> int:
     from tribo.live_pages.page import to_live_html
 
-    out = shared.page_of(options, "view")
+    out = shared.page_of(options, "live", "view")
     page_target("--out", out)
     print(to_live_html(shared.load_with_values(options), out, options.controls))
     return COMPLETED

@@ -189,8 +189,8 @@ def of_option(error: InputError, options: argparse.Namespace) -> InputError:
     return InputError(f"--{name.replace('_', '-')} {rest}".strip(), error.problem)
 
 
-def page_of(options: argparse.Namespace, other: str) -> Path:
-    """The page that a command writes, by default beside the scene.
+def page_of(options: argparse.Namespace, command: str, other: str) -> Path:
+    """The page that a `command` writes, by default beside the scene.
 
     A line says so where that replaces a page of the command `other`, whose default it is too.
     """
@@ -198,7 +198,7 @@ def page_of(options: argparse.Namespace, other: str) -> Path:
         return Path(options.out)
     page: Path = options.scene.with_suffix(".html")
     if page.is_file() and PAGES[other].encode() in read_file(page):
-        kept = page.with_stem(f"{page.stem}_{options.command}")
+        kept = page.with_stem(f"{page.stem}_{command}")
         print(
             f"tribo: {page} was a page of tribo {other}, and is replaced; -o {kept} keeps both",
             file=sys.stderr,

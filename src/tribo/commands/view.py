@@ -68,7 +68,7 @@ def _view(options: argparse.Namespace) -> int:
     from tribo.viewer.contents import contents
     from tribo.viewer.html import document
 
-    page = shared.page_of(options, "live")
+    page = shared.page_of(options, "view", "live")
     out = page_target("--out", page)
     if options.slider:
         if options.scene.suffix != ".toml" or options.beside is not None:
