@@ -17,6 +17,7 @@ from tribo.report_card.agreement import (
 from tribo.report_card.card import Check, Report
 from tribo.report_card.derivatives import check_force, check_minimum, curves
 from tribo.report_card.limits import check_finite, check_limits
+from tribo.report_card.points import check_points
 from tribo.report_card.scan import PotentialScan
 from tribo.report_card.smoothness import check_cutoff, check_smoothness
 from tribo.validation import InputError
@@ -70,6 +71,7 @@ def check(
         *check_minimum(scan),
         *check_smoothness(scan),
         *check_cutoff(scan),
+        *check_points(scan),
         check_limits(scan),
         check_third_law(scan),
         check_charges(scan),

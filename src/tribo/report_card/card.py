@@ -26,6 +26,7 @@ ADVICE = {
     "energy at the cutoff": _AT_END.format("the energy", -1),
     "force at the cutoff": _AT_END.format("the force", 0),
     "slope at the cutoff": _AT_END.format("the slope of the force", 1),
+    "points": "correct this point, or add points around it if U is so narrow there",
     "limits": "let force() vanish where the energy is constant, or declare domain()",
     "third law": "make coupling(one, other) symmetric in the two bobs",
     "charges": "correct energy_between() and force_between(), or acts_between()",
@@ -116,8 +117,16 @@ class Report:
         return strict_json({"potential": self.potential, "passed": self.passed, "checks": checks})
 
     def save_figure(self, path: str | Path) -> Path:
-        """Draw energy, force, their disagreement and the cutoff; as :func:`tribo.plotting.save`."""
-        return save(card_figure(self.curves, self.title), path)
+        """Draw energy, force, their disagreement and the cutoff; as :func:`tribo.plotting.save`.
+
+        A red line marks the largest error of each check that failed.
+        """
+        failed = {
+            check.name: check.where
+            for check in self.checks
+            if not check.passed and check.where is not None
+        }
+        return save(card_figure(self.curves, self.title, failed), path)
 
     def __str__(self) -> str:
         """The checks as a table, with advice below those that failed, and the verdict."""
@@ -139,5 +148,8 @@ class Report:
             if check.advice:
                 lines.append(f"{margin}to mend it: {check.advice}")
         failed = ", ".join(check.name for check in self.checks if not check.passed)
-        verdict = f"FAILED: {failed}" if failed else f"passed: all {len(self.checks)} checks"
+        noted = [check.name for check in self.checks if check.bound is None and check.note]
+        passed = f"passed: all {len(self.checks)} checks"
+        passed += f"; without a bound, see the note: {', '.join(noted)}" if noted else ""
+        verdict = f"FAILED: {failed}" if failed else passed
         return "\n".join([*lines, "", verdict])

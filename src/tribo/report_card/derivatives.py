@@ -129,7 +129,8 @@ def check_force(found: Curves, derived: bool = False) -> Check:
 def _proportion(found: Curves, known: np.ndarray) -> str:
     """What to say of a force that is a multiple of -dU/dr at all distances; empty if it is not."""
     known = known & (np.abs(found.slope) > 0.0) & np.isfinite(found.force)
-    ratios = -found.force[known] / found.slope[known]
+    with np.errstate(all="ignore"):
+        ratios = -found.force[known] / found.slope[known]
     factor = float(np.median(ratios)) if ratios.size else math.nan
     alike = np.count_nonzero(np.abs(ratios - factor) <= PROPORTIONAL * abs(factor))
     if not alike >= KNOWN * ratios.size > 0:

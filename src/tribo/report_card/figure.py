@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
@@ -19,6 +20,8 @@ if TYPE_CHECKING:
 ENERGY = "#0b62a4"
 FORCE = "#d55e00"
 BOUND = "#a50f15"
+# Largest distance whose values set the scale of a curve [typical distance].
+AROUND = 5.0
 # Lower end of the axis of the disagreement, which is relative.
 FLOOR = 1e-17
 
@@ -42,8 +45,11 @@ class Curves:
     length: float
 
 
-def card_figure(curves: Curves, title: str) -> Figure:
-    """Energy, force and their disagreement at all distances of the card, with a title."""
+def card_figure(curves: Curves, title: str, failed: Mapping[str, float] | None = None) -> Figure:
+    """Energy, force and their disagreement at all distances of the card, with a title.
+
+    The distances of checks that failed are marked, with the names of these checks.
+    """
     from matplotlib.figure import Figure
 
     with style():
@@ -60,8 +66,26 @@ def card_figure(curves: Curves, title: str) -> Figure:
             top: Any = {"xytext": (-3, -4), "textcoords": "offset points", "fontsize": NOTE_SIZE}
             top |= {"xycoords": energy.get_xaxis_transform(), "ha": "right", "va": "top"}
             energy.annotate("cutoff", (curves.cutoff, 1.0), **top)
+        _mark(energy, (energy, force, disagreement), failed or {})
         figure.align_ylabels([energy, force, disagreement])
     return figure
+
+
+def _mark(top: Axes, axes: Sequence[Axes], failed: Mapping[str, float]) -> None:
+    """Mark the distances of checks that failed, once where several have the same one."""
+    names: dict[str, list[str]] = {}
+    for name, r in failed.items():
+        names.setdefault(f"{r:.6g}", []).append(name)
+    low, high = top.get_xlim()
+    for k, (place, checks) in enumerate(names.items()):
+        r = float(place)
+        for ax in axes:
+            ax.axvline(r, color=BOUND, linewidth=0.7)
+        left = math.log(r / low) > 0.5 * math.log(high / low)  # where the name has more room
+        text: Any = {"xytext": (-3 if left else 3, -4 - 9 * k), "textcoords": "offset points"}
+        text |= {"ha": "right" if left else "left", "va": "top", "color": BOUND}
+        text |= {"xycoords": top.get_xaxis_transform(), "fontsize": NOTE_SIZE}
+        top.annotate("\n".join(checks), (r, 1.0), **text)
 
 
 def _distances(ax: Axes, curves: Curves) -> None:
@@ -78,8 +102,12 @@ def _distances(ax: Axes, curves: Curves) -> None:
 
 
 def _curve(ax: Axes, curves: Curves, values: np.ndarray, colour: str, label: str) -> None:
-    """Draw a curve on the scale of its values at the typical distance; much larger are cut off."""
-    outer = values[(curves.r >= curves.length) & np.isfinite(values)]
+    """Draw a curve on the scale of its values near the typical distance; larger ones are cut off.
+
+    So the values of a core are, and those far away of an energy that rises with r.
+    """
+    near = (curves.r >= curves.length) & (curves.r <= AROUND * curves.length)
+    outer = values[near & np.isfinite(values)]
     # So many typical values are shown above zero and below.
     top = 2.5 * (float(np.max(np.abs(outer), initial=0.0)) or 1.0)
     ax.axhline(0.0, color="0.6", linewidth=0.5)

@@ -12,6 +12,8 @@ from tribo.report_card.scan import SMALLEST_SCALE, PotentialScan
 FAR = 1e6
 # Largest acceptable work of the force between distances where U is constant [energy].
 FROZEN = 1e-9
+# Depth of an energy that falls without end inside a barrier [typical energy].
+DEEP = 100.0
 # Octaves below and above r = 1 at which the potential is evaluated: from 1e-300 to 1e300.
 OCTAVES = 996
 
@@ -41,7 +43,27 @@ def check_limits(scan: PotentialScan) -> Check:
     value, worst = _work_at_constant_energy(scan, r, energy, force)
     text = "force where U is constant, 1e-300 < r < 1e300"
     failed = where is not None
+    collapse = _collapse(scan)
+    note = f"{note}; {collapse}" if collapse else note
     return Check("limits", text, value, FROZEN, where if failed else worst, note, failed)
+
+
+def _collapse(scan: PotentialScan) -> str:
+    """What to say of an energy that falls without end inside a barrier; empty if it does not.
+
+    That of an attraction at all distances has no barrier, and surprises nobody.
+    """
+    inner = scan.r < scan.length
+    inward = scan.force[inner][::-1]  # from the typical distance
+    repulsion = np.flatnonzero(inward > 0.0)
+    if not repulsion.size or not scan.energy[0] < -DEEP * scan.typical_energy:
+        return ""
+    attraction = np.flatnonzero(inward[repulsion[0] :] < 0.0) + repulsion[0]
+    if not attraction.size or not np.all(inward[attraction[-1] :] < 0.0):
+        return ""
+    barrier = scan.r[inner][::-1][attraction[0]]
+    fall = f"U falls below {scan.energy[0]:.1e} inside its barrier at r = {barrier:.3g}"
+    return f"{fall}; domain() can exclude these distances"
 
 
 def _finite_range(

@@ -31,6 +31,8 @@ SAME_PLACE = 1e-7
 LENGTH = 60.0
 # Largest acceptable jumps at the cutoff, in typical units.
 AT_END = {"energy": 1e-10, "force": 1e-10, "slope": 1e-6}
+# Jump of the energy from which on a note says what it does to runs [typical energy].
+NOTICED = 1e-3
 # Distances inside the cutoff over which the slope of the force is taken [cutoff].
 INWARD = (1e-5, 1e-6, 1e-7)
 # Fourth difference.
@@ -68,8 +70,9 @@ def check_smoothness(scan: PotentialScan) -> Iterator[Check]:
 
 def _same_place(one: Check, other: Check) -> bool:
     """Whether two lines have their largest errors at one distance."""
-    places = one.where, other.where
-    return None not in places and bool(np.isclose(*places, rtol=SAME_PLACE, atol=0.0))
+    if one.where is None or other.where is None:
+        return False
+    return math.isclose(one.where, other.where, rel_tol=SAME_PLACE)
 
 
 def strengths(scan: PotentialScan, function: Function, power: int) -> np.ndarray:
@@ -121,7 +124,13 @@ def check_cutoff(scan: PotentialScan) -> Iterator[Check]:
         kept = promised >= least
         text = "jump to zero, in typical units" + NOT_PROMISED * (not kept)
         bound = AT_END[name] if kept else None
-        yield Check(f"{name} at the cutoff", text, jump, bound, end)
+        note = ""
+        if name == "energy" and not kept and jump > NOTICED:
+            note = (
+                f"U jumps to zero by {jump:.2g} typical energies at r = {end:g}, where runs do "
+                "not conserve energy; .with_cutoff() removes the jump"
+            )
+        yield Check(f"{name} at the cutoff", text, jump, bound, end, note)
 
 
 def _below(end: float) -> np.ndarray:
