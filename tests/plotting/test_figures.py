@@ -189,4 +189,5 @@ def test_works_in_words():
     ax = tribo.simulate(tribo.paper.scene("A")).plot.work("upper")
     assert ax.get_ylabel() == "work on upper"
     words = [text.get_text() for text in ax.get_legend().get_texts()]
-    assert words[:2] == ["friction", "drive"] and words[-1] == "all external"
+    assert words[:2] == ["friction", "drive"] and words[-2:] == ["all external", "pseudoworks"]
+    assert ax.get_legend().get_lines()[-1].is_dashed()

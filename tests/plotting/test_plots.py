@@ -58,9 +58,10 @@ def test_curves_are_the_ledger(result):
     assert np.array_equal(works["w1"].get_ydata(), upper.w1[:, 0])
     budget = lines_of(result.plot.energy_budget())
     assert np.array_equal(budget["applied work"].get_ydata(), system["applied_work"])
-    assert list(budget)[:-1] == ["contact", "internal", "applied work"]  # and the axis
-    edge = budget["internal"].get_ydata()  # of the whole stack
-    assert edge == pytest.approx(system["applied_work"], abs=1e-5)
+    names = [name for name in budget if not name.startswith("_")]
+    assert names == ["contact", "internal", "applied work"]
+    stack = sum(heights_of_parts(budget, names[:2]).values())
+    assert stack == pytest.approx(system["applied_work"], abs=1e-5)
     phase = result.plot.phase().get_lines()[0]
     assert np.array_equal(phase.get_ydata(), upper.omega[:, 0])
 
@@ -69,6 +70,8 @@ def test_many_asperites_are_bands_and_points(many):
     """The band and the colours are those of the swings, and there is one mark for each asperite."""
     ax = many.plot.angles()
     (band,) = ax.collections
+    (name,) = ax.get_legend().get_texts()
+    assert name.get_text() == "lower: median, 5 to 95 %"
     low, high = np.percentile(SWINGS, [5.0, 95.0])
     start = band.get_paths()[0].vertices
     start = start[start[:, 0] == 0.0, 1]
@@ -256,15 +259,50 @@ def test_energy_budget_of_a_scene_with_heat_closes():
     scene = tribo.Scene((upper, lower), tribo.Coulomb(0.2), 12.0, output=output)
     result = tribo.simulate(scene, accuracy=1e-8)
     ax = result.plot.energy_budget()
-    edges = {name: line.get_ydata() for name, line in lines_of(ax).items()}
-    order = ["kinetic", "contact", "internal", "bath", "heat", "applied work + heat"]
-    assert list(edges)[:-1] == order  # and the axis
-    heat = edges["heat"] - edges["bath"]
+    order = ["kinetic", "contact", "internal", "bath", "heat"]
+    lines = lines_of(ax)
+    names = [name for name in lines if not name.startswith("_")]
+    assert names == [*order, "applied work + heat"]
+    heights = heights_of_parts(lines, order)
+    heat = heights["heat"]
     assert heat == pytest.approx(result["upper"].heat[:, 0], abs=1e-12) and heat[-1] > 1e-3
     drives = sum(result[name].w2[:, 0] for name in ("upper", "lower"))
-    assert edges["heat"] == pytest.approx(drives, abs=1e-7)
-    assert edges["applied work + heat"] == pytest.approx(drives, abs=1e-12)
-    bath = edges["bath"] - edges["internal"]
-    assert bath == pytest.approx(result["lower"].heat_bath, abs=1e-12)
-    gap = float(ax.texts[0].get_text().removeprefix("gap ").replace("\N{MINUS SIGN}", "-"))
-    assert 0.0 <= gap < 1e-6
+    assert sum(heights.values()) == pytest.approx(drives, abs=1e-7)
+    work = lines["applied work + heat"].get_ydata()
+    assert work == pytest.approx(drives, abs=1e-12)
+    assert heights["bath"] == pytest.approx(result["lower"].heat_bath, abs=1e-12)
+    text, _, gap = ax.texts[0].get_text().replace("\N{MINUS SIGN}", "-").partition(" ≤ ")
+    assert text == "|work - sum|"
+    assert 0.0 <= float(gap) < 1e-6
+
+
+def heights_of_parts(lines, order):
+    """Each part of a stack by its name: what it adds above zero, less what it adds below."""
+    heights = {}
+    top = bottom = 0.0
+    for name in order:
+        raised = lines[name].get_ydata()
+        lower = lines.get(f"_{name} below zero")
+        lowered = bottom if lower is None else lower.get_ydata()
+        assert np.all(raised >= top) and np.all(lowered <= bottom)  # no two areas overlap
+        heights[name] = raised - top + lowered - bottom
+        top = raised
+        bottom = lowered
+    return heights
+
+
+def test_negative_energies_are_below_zero():
+    """The bulk slows down and the contact attracts; areas of parts do not overlap."""
+    upper = tribo.Surface("upper", bob=(-2.0, 0.5), velocity=(0.5, 0.0), drive="free")
+    lower = tribo.Surface("lower", facing="up", drive="free")
+    scene = tribo.Scene((upper, lower), tribo.Coulomb(-0.2), 12.0, output=tribo.Output(samples=41))
+    result = tribo.simulate(scene, accuracy=1e-8)
+    ax = result.plot.energy_budget()
+    heights = heights_of_parts(lines_of(ax), ["kinetic", "contact", "internal"])
+    contact = result.system["contact_energy"]
+    assert heights["contact"] == pytest.approx(contact - contact[0], abs=1e-12)
+    assert heights["contact"].min() < -1e-2
+    assert heights["kinetic"].max() > 1e-2
+    assert [text.get_text() for text in ax.get_legend().get_texts()][:3] == list(heights)
+    spans = [area.get_paths()[0].vertices[:, 1] for area in ax.collections]
+    assert all(span.min() >= 0.0 or span.max() <= 0.0 for span in spans)

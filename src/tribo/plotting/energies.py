@@ -56,16 +56,29 @@ def heats_of(result: RunResult) -> list[np.ndarray]:
 
 
 def draw_budget(result: RunResult, label: str, ax: Axes | None) -> Axes:
-    """Draw the energies one on top of the other; with a label, as one of several results."""
+    """Draw the energies one on top of the other; with a label, as one of several results.
+
+    Negative ones are below zero, one under the other, so that no two areas overlap.
+    """
     heats = heats_of(result)
     with drawing_on(ax, COLUMN, ASPECT * COLUMN) as ax:
-        below = np.zeros(result.t.size)
-        for colour, (name, values) in zip(COLOURS, energies(result).items(), strict=False):
-            edge = below + values
-            ax.plot(result.t, edge, color=colour, linewidth=THIN, label=named(name, label))
+        parts = energies(result)
+        top = np.zeros(result.t.size)
+        bottom = np.zeros(result.t.size)
+        for k, (name, values) in enumerate(parts.items()):
+            raised = top + np.maximum(values, 0.0)
+            lowered = bottom + np.minimum(values, 0.0)
+            # An edge hides those of later parts, which are there as well where these are zero.
+            edge: dict[str, Any] = {"color": COLOURS[k], "linewidth": THIN, "zorder": 2 - 0.01 * k}
+            ax.plot(result.t, raised, label=named(name, label), **edge)
+            if np.any(values < 0.0):
+                ax.plot(result.t, lowered, label=f"_{name} below zero", **edge)
             if not label:  # stacks of several results would cover one another
-                ax.fill_between(result.t, below, edge, color=colour, alpha=0.35, linewidth=0.0)
-            below = edge
+                area: dict[str, Any] = {"color": COLOURS[k], "alpha": 0.35, "linewidth": 0.0}
+                ax.fill_between(result.t, top, raised, **area)
+                ax.fill_between(result.t, bottom, lowered, **area)
+            top = raised
+            bottom = lowered
         if "applied_work" in result.system:
             work = result.system["applied_work"] + sum(heats) + energy_of_pull(result)
             name = "applied work + heat" if heats else "applied work"
@@ -73,7 +86,8 @@ def draw_budget(result: RunResult, label: str, ax: Axes | None) -> Axes:
             line: dict[str, Any] = {"linewidth": 1.3, "linestyle": (0, (4.0, 3.0))}
             ax.plot(result.t, work, color=INK, label=named(name, label), **line)
             if not label:
-                text = with_minus(f"gap {np.max(np.abs(below - work)):.1e}")
+                gap = np.max(np.abs(sum(parts.values()) - work))
+                text = with_minus(f"|work - sum| ≤ {gap:.1e}")
                 place = {"xycoords": "axes fraction", "ha": "right", "fontsize": NOTE_SIZE}
                 note(ax, (1.0, 0.0), text, (0.0, -22.0), **place)  # beside the label of time
         finish(ax, result, "energy")

@@ -49,7 +49,7 @@ def histogram(values: ArrayLike, label: str, ax: Axes | None = None) -> Axes:
         ax.stairs(counts, edges, fill=True, **FILLED)
         ax.stairs(counts, edges, color=OWN_COLOUR, label=f"{known.size} members")
         ax.axvspan(mean - half, mean + half, color=MIRROR_COLOUR, alpha=0.3, linewidth=0.0)
-        shown = with_minus(f"mean {mean_text(mean, half, '±')}")
+        shown = with_minus(f"mean {mean_text(mean, half, '±')} (95 %)")
         ax.axvline(mean, color=MIRROR_COLOUR, linewidth=1.0, label=shown)
         ax.set(xlabel=label, ylabel="members", ylim=(0.0, 1.05 * counts.max()))
         legend(ax)

@@ -71,7 +71,8 @@ def draw_friction(result: RunResult, name: str, after: float | str | None, ax: A
     """Draw the friction force on a surface over time, with its average and interval."""
     found = friction_force(result, name, after)
     with drawing_on(ax, COLUMN, ASPECT * COLUMN) as ax:
-        label = with_minus(mean_text(found.mean, found.half_width, "±"))
+        mean = with_minus(mean_text(found.mean, found.half_width, "±"))
+        label = f"mean {mean} (95 %)" if np.isfinite(found.half_width) else f"mean {mean}"
         low = found.mean - found.half_width
         high = found.mean + found.half_width
         later = [found.after, result.t[-1]]

@@ -18,7 +18,7 @@ from tribo.plotting.style import (
     drawing_on,
     style,
 )
-from tribo.plotting.works import WORKS, draw_works, works_of
+from tribo.plotting.works import WORKS, draw_works, pseudowork_sample, works_of
 from tribo.results.force_averages import has_mean_friction
 from tribo.results.run_result import RunResult
 from tribo.validation import must_be, one_of
@@ -52,17 +52,14 @@ class Plots:
         with drawing_on(ax, COLUMN, ASPECT * COLUMN) as ax:
             for k, surface in enumerate(result.scene.surfaces):
                 swing = swing_of(result, surface)
-                line: dict[str, Any] = {
-                    "color": COLOURS[k],
-                    "label": named(surface.name, self._label),
-                }
-                line["linewidth"] = self._width(k)
+                line: dict[str, Any] = {"color": COLOURS[k], "linewidth": self._width(k)}
+                name = named(surface.name, self._label)
                 if surface.count <= 6:  # of more, the median and a band
-                    for other in ax.plot(result.t, swing, **line)[1:]:
+                    for other in ax.plot(result.t, swing, label=name, **line)[1:]:
                         other.set_label("_")
                     continue
                 low, middle, high = np.percentile(swing, [5.0, 50.0, 95.0], axis=1)
-                ax.plot(result.t, middle, **line)
+                ax.plot(result.t, middle, label=f"{name}: median, 5 to 95 %", **line)
                 ax.fill_between(result.t, low, high, color=COLOURS[k], alpha=0.2, linewidth=0.0)
             finish(ax, result, "swing (rad)")
         return ax
@@ -101,7 +98,7 @@ class Plots:
         span : tuple of float, optional
             Times between which curves are shown; labels stand at the later one [time].
         ax : matplotlib.axes.Axes, optional
-            The axes to draw on; by default a new figure, with the forces in words.
+            The axes to draw on; by default a new figure, whose legend has the forces in words.
 
         Returns
         -------
@@ -124,6 +121,8 @@ class Plots:
             of_one = "" if asperite is None or number == 1 else f", asperite {asperite}"
             ax.set_ylabel(f"work on {name}{of_one}")
             words = {WORKS[work].meaning: line for work, line in lines.items() if work in WORKS}
+            if any(line.is_dashed() for line in lines.values()):
+                words["pseudoworks"] = pseudowork_sample()
             if is_new and words:
                 legend(ax, list(words.values()), list(words))
         return ax
@@ -133,9 +132,10 @@ class Plots:
 
         The parts are bulk kinetic energy, contact, fields, internal energy, heat and the springs
         of pulled surfaces, of all surfaces together; the heat of baths is separate from internal
-        energy if the scene's output asks for the series "energies".  A negative part goes down
-        from the edge before it. The last edge is the sum, which equals the work that is put in; a
-        text gives the largest gap between the two.  The applied work of the ledger is net of the
+        energy if the scene's output asks for the series "energies".  Negative parts are below
+        zero, one under the other.  The height of the stack above zero less the depth below it is
+        the sum, which equals the work that is put in; a text gives the largest gap between the two.
+        The applied work of the ledger is net of the
         heat given to reservoirs, and is that of pulling springs, not of their stage.  With
         reservoirs, heat is a part of the stack, and is added to the applied work.  On pulled
         surfaces, the work put in is that of the stage in place of that of the springs.
@@ -339,6 +339,8 @@ class Plots:
             (self.friction_force if slides else self.phase)(ax=places["last"])
             if result.scene.output.ledger != "none":
                 self.work(ax=places["work"])
+                if any(line.is_dashed() for line in places["work"].get_lines()):
+                    legend(places["work"], [pseudowork_sample()], ["pseudoworks"])
             if result.scene.periodic:
                 caption = "one period; bars that leave it enter at the other side"
                 places["snapshots"].set_title(caption, fontsize="medium")

@@ -42,6 +42,8 @@ WORKS = {
     "W": Work("", INK, "all external"),
 }
 TOTALS = ("w", "W")
+# Dashes of pseudoworks.
+DASHED = (0, (4, 2))
 
 
 def symbol(name: str) -> str:
@@ -56,8 +58,15 @@ def look(name: str) -> dict[str, Any]:
     """Colour, dashes and width of the line of a work or pseudowork."""
     work = name.removesuffix("_ps")
     style: dict[str, Any] = {"color": WORKS[work].colour, "label": name}
-    style |= {"linestyle": (0, (4, 2))} if work != name else {}
+    style |= {"linestyle": DASHED} if work != name else {}
     return style | ({"linewidth": 1.6, "zorder": 3} if name in TOTALS else {})
+
+
+def pseudowork_sample() -> Line2D:
+    """The line of a legend that stands for all pseudoworks."""
+    from matplotlib.lines import Line2D
+
+    return Line2D([], [], color=INK, linestyle=DASHED)
 
 
 def works_of(result: RunResult, surface: str, asperite: int | None) -> dict[str, np.ndarray]:

@@ -252,7 +252,8 @@ class WorkPrecision:
                 style = {"marker": "o", "markersize": 7.5, "fillstyle": "none", "color": INK}
                 style |= {"markeredgewidth": 0.8, "linestyle": "none", "label": "automatic choice"}
                 ax.plot(*self._places(self.automatic_rows, cost), **style)
-            ax.axhline(self.reference.error, color="0.5", linewidth=0.6, linestyle=(0, (4, 2)))
+            style = {"color": "0.5", "linewidth": 0.6, "linestyle": (0, (4, 2))}
+            ax.axhline(self.reference.error, label="error of reference", **style)
             ax.set(xscale="log", yscale="log", xlabel=COSTS[cost])
             # Larger errors are of methods that are unstable at such steps.
             ax.set_ylim(top=min(ax.get_ylim()[1], 3.0))
