@@ -536,6 +536,39 @@ def test_file_that_is_not_a_scene(tmp_path, capsys, kind):
     assert said.startswith(expected)
 
 
+# A wrong line of a scene file, and how the message ends.
+LINES = {
+    "duration = 40,0": "'duration = 40,0'; write decimals with a point, as 0.5",
+    "duration = 1.000,5  # long": "; write decimals with a point, as 0.5",
+    "duration = 40 s": "'duration = 40 s'; write the number without its unit",
+    "duration = .2": "; write a digit before the point, as 0.5",
+    "duration = 40.": "; write a digit after the point, as 1.0",
+    "duration: 40.0": "; write KEY = VALUE",
+    "duration = 40.0;": "; leave out the semicolon at the end",
+    "duration =": "; write a value behind =",
+    "title = sliding": "'title = sliding'; write words in quotes, as \"coulomb\"",
+    "title = \u201csliding\u201d": '; write straight quotes, as "coulomb"',
+    "periodic = {x = \u22125.0}": "; write the minus as a hyphen, -",
+    "periodic.x = True": "; write true, false, inf and nan in small letters",
+    "seed = 1\nseed = 2": "'seed = 2'; write each key once",
+    "[surface]\n[surface]": "'[surface]'; write [[surface]] for each surface",
+    "[output]\n[output]": "'[output]'; write each table once",
+}
+
+
+@pytest.mark.parametrize("line", LINES)
+def test_lines_that_are_not_toml(tmp_path, capsys, line):
+    """The message quotes the line and says what to write."""
+    said = message(tmp_path, capsys, f"# A scene.\n{line}\n".encode())
+    assert "scene.toml: is not valid TOML: " in said and said.endswith(LINES[line])
+
+
+def test_a_duration_below_a_table(tmp_path, capsys):
+    said = message(tmp_path, capsys, b'[[surface]]\nname = "upper"\nduration = 40.0\n')
+    place = "must stand above the first table, as duration = 40.0; it stands under [[surface]]"
+    assert said == f"duration: {place}"
+
+
 def test_missing_file(tmp_path, capsys):
     """A missing file and a folder are refused."""
     for path, why in ((tmp_path / "no.toml", "No such file"), (tmp_path, "Is a directory")):

@@ -11,6 +11,7 @@ from typing import Any, NamedTuple
 from tribo.live_pages.keys import Key, numbers_at
 from tribo.model.parameters import INTERACTION, with_values
 from tribo.model.scene import Scene
+from tribo.model.toml_errors import toml_problem
 from tribo.validation import InputError, as_path, inside, is_list, known_keys, must_be, number
 
 # Drives that a pair's module has.
@@ -161,9 +162,12 @@ def _table(given: object) -> dict[str, Any]:
 
         try:
             text = as_path(given).read_text(encoding="utf-8")
-            return tomllib.loads(text)
         except (OSError, ValueError) as error:
             raise InputError("controls", f"cannot be read: {error}") from None
+        try:
+            return tomllib.loads(text)
+        except ValueError as error:
+            raise InputError("controls", f"{given} {toml_problem(error, text)}") from None
     if not isinstance(given, Mapping):
         raise must_be("controls", "a mapping of keys, or the name of a TOML file", given)
     return dict(given)

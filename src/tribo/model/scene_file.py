@@ -19,6 +19,7 @@ from tribo.model.scene import Scene
 from tribo.model.settings import Numerics, Output
 from tribo.model.surface import Surface
 from tribo.model.tables import field_names, from_table, part
+from tribo.model.toml_errors import toml_problem
 from tribo.model.topography import as_topography, is_topography
 from tribo.validation import InputError, as_path, known_keys, must_be
 
@@ -50,12 +51,15 @@ def load_scene(path: object) -> Scene:
     try:
         table = tomllib.loads(text)
     except (ValueError, RecursionError) as error:
-        raise InputError(str(path), f"is not valid TOML: {error}") from None
+        raise InputError(str(path), toml_problem(error, text)) from None
     return scene_from(table, path.parent)
 
 
 def scene_from(table: dict[str, Any], folder: Path = Path()) -> Scene:
     """The scene that the table of a file describes; `folder` is that of its plug-ins."""
+    if "duration" not in table and (place := _place_of("duration", table)):
+        problem = f"must stand above the first table, as duration = 40.0; it stands under {place}"
+        raise InputError("duration", problem)
     table = known_keys(table, KEYS, ["duration", "surface"])
     for key, kind in (("output", Output), ("numerics", Numerics)):
         table[key] = part(partial(from_table, kind))(key, table.get(key, {}))
@@ -66,6 +70,16 @@ def scene_from(table: dict[str, Any], folder: Path = Path()) -> Scene:
     one = isinstance(given, dict)
     found = part(read)("interaction", given) if one else _each("interaction", given, read)
     return Scene(interactions=found, **table)
+
+
+def _place_of(key: str, table: dict[str, Any]) -> str:
+    """The heading of a table that contains a key, as "[[surface]]"; "" if none does."""
+    for name, value in table.items():
+        if isinstance(value, dict) and key in value:
+            return f"[{name}]"
+        if isinstance(value, list) and any(isinstance(v, dict) and key in v for v in value):
+            return f"[[{name}]]"
+    return ""
 
 
 def _each(key: str, value: object, read: Callable[[Any], object]) -> tuple[Any, ...]:
