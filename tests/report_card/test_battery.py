@@ -1,6 +1,6 @@
 """A battery for report cards: right potentials pass, wrong forces and declarations fail.
 
-All wrong ones share a class, so that it compiles once; in the default set nothing is compiled.
+Most wrong ones share a class, so that it compiles once; in the default set nothing is compiled.
 """
 
 from typing import NamedTuple
@@ -114,6 +114,56 @@ DECLARATIONS = {
     "a curvature that is too small": (MORSE, {"lowest": 1.0, "depth": -1.0, "curvature": 1.0}),
     "a minimum of a repulsion": (GAUSSIAN, {"lowest": 1.0, "depth": 0.6, "curvature": 0.0}),
 }
+
+
+class Step(NamedTuple):
+    """An energy between two distances, and a Gaussian."""
+
+    h: float
+    d: float
+    begin: float = 0.0
+    gaussian: float = 0.0
+
+    def energy(self, r):
+        step = np.where((r > self.begin) & (r < self.d), self.h, 0.0)
+        return step + self.gaussian * np.exp(-12.0 * r * r)
+
+
+class Power(NamedTuple):
+    """A power whose exponent is a field."""
+
+    n: float
+    e: float = 1.0
+
+    def energy(self, r):
+        return self.e / r**self.n
+
+
+def table_of_jones(points, low=0.8, high=3.0, at=None, change=lambda energy: energy):
+    """A table of a Lennard-Jones energy, at equal distances, with one value changed."""
+    r = np.linspace(low, high, points)
+    energy = tribo.LennardJones(0.5, 1.0).energy(r)
+    if at is not None:
+        energy[at] = change(energy[at])
+    return from_points(r, energy)
+
+
+STEPS = {
+    "a step below 1": Step(3.0, 0.7),
+    "a step above 2": Step(3.0, 3.0),
+    "a step at a large distance": Step(3.0, 4.7e5),
+    "a well below 1": Step(-3.0, 0.7),
+    "a well above 2": Step(-3.0, 5.0),
+    "a narrow shell": Step(1.0, 5.01, begin=5.0),
+    "a step beyond the force": Step(0.1, 5.0, gaussian=1.0),
+    "a step that is high beside the force": Step(100.0, 0.2, gaussian=1e-3),
+    "a step of an expression": expression("where(r < d, h, 0.0)", h=1.0, d=2.5),
+}
+TABLES = {
+    "a table with one value off": table_of_jones(45, at=20, change=lambda energy: energy + 0.05),
+    "a table with a flipped sign": table_of_jones(45, at=20, change=lambda energy: -energy),
+    "a table with a lost digit": table_of_jones(60, at=12, change=lambda energy: 0.1 * energy),
+}
 WRONG = {
     f"{KINDS[kind]}, {flaw}": Suspect(float(kind), **values)
     for kind in range(5)
@@ -122,6 +172,7 @@ WRONG = {
     f"{KINDS[kind]}, {flaw}": Suspect(float(kind), **values)
     for flaw, (kind, values) in DECLARATIONS.items()
 }
+WRONG |= STEPS | TABLES
 
 
 class HertzMaximum(NamedTuple):
@@ -200,6 +251,11 @@ RIGHT = {
     "a table": tabulated(JONES.energy, 0.8, 3.0, 1e-5),
     "a dense spline": from_points(R, JONES.energy(R)),
     "a table with a cutoff": tabulated(JONES.energy, 0.8, 3.0, 1e-5).with_cutoff(2.9),
+    "a coarse table": table_of_jones(12, low=0.9),
+    "a table of a core": table_of_jones(40, low=0.4),
+    "a table with few digits": table_of_jones(200, at=20, change=lambda energy: round(energy, 3)),
+    **{f"a power of {n}": Power(n) for n in (6.5, 8.5, 12.0, 36.0)},
+    "a declared step": Suspect(float(GAUSSIAN), jump=-0.2, place=5.0, smooth=-1.0, within=-1.0),
     "a sum of contacts": tribo.Hertz(5.0, 1.0) + -0.2 * tribo.Gaussian(1.0, 0.5),
     **{
         f"{how} at {cutoff}": JONES.with_cutoff(cutoff, how)
@@ -213,6 +269,7 @@ QUICK = [
     *(name for name in WRONG if name.startswith("hertz")),
     *("lennard-jones, half as much again in the core", "coulomb, a range that is too short"),
     *("morse, a minimum elsewhere", "morse, a kink declared two derivatives"),
+    *(*STEPS, *TABLES, "a coarse table", "a table of a core", "a power of 12.0"),
 ]
 ALL = [*WRONG, *RIGHT]
 
@@ -241,4 +298,4 @@ def test_battery(name):
 
 def test_size():
     """The battery has as many wrong forces as the page on report cards says."""
-    assert len(WRONG) == 66 and len(RIGHT) == 33
+    assert len(WRONG) == 78 and len(RIGHT) == 41

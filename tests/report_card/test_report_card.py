@@ -20,6 +20,7 @@ from tribo.potentials import (
     LennardJones,
     Morse,
     as_potential,
+    expression,
 )
 from tribo.potentials.cutoff import AT_CUTOFF
 from tribo.potentials.expression import is_expression
@@ -633,3 +634,147 @@ class Powers(Potential):
 
 def test_integer_powers_pass():
     assert failed(check(Powers(-1.0))) == set()
+
+
+class Step(Potential):
+    """A step of the energy, without any force."""
+
+    h: float
+    d: float
+
+    def energy(self, r):
+        return np.where(r < self.d, self.h, 0.0)
+
+
+class Corner(Potential):
+    """An energy with a kink, and its force by the sign of r - d."""
+
+    h: float
+    d: float
+
+    def energy(self, r):
+        return self.h * np.abs(r - self.d)
+
+
+@pytest.mark.parametrize("h", [3.0, -3.0])
+@pytest.mark.parametrize("d", [1e-9, 0.3, 0.7, 1.0, 2.3, 5.0, 1e6])
+def test_a_step_is_found_and_located(d, h, uncompiled):
+    """The scan contains it, and its distance is known to the last halving."""
+    report = check(Step(h, d))
+    assert failed(report) == {"jumps of energy"}
+    assert report["jumps of energy"].where == pytest.approx(d, rel=1e-10)
+    assert report.curves.r[0] < d < report.curves.r[-1]
+
+
+def test_two_steps_that_are_close(uncompiled):
+    """Cells around parameters are short."""
+    shell = expression("where(r < a, 0.0, where(r < b, h, 0.0))", a=0.2, b=0.2001, h=1.0)
+    assert failed(check(shell)) == {"jumps of energy"}
+
+
+@pytest.mark.parametrize("d", [0.2, 0.7, 1.3])
+def test_one_kink_is_one_advice(d):
+    """The compiled value at the kink is that of a neighbour of r, and no difference."""
+    report = check(Corner(3.0, d))
+    assert failed(report) == {"jumps of force", "kinks of force"}
+    assert report["jumps of force"].where == pytest.approx(d, rel=1e-9)
+    assert report["kinks of force"].advice.startswith("see jumps of force")
+    assert "smoothness" in report["jumps of force"].advice
+
+
+def test_compiled_values_differ_at_a_jump(uncompiled):
+    """Only the values of the next distances are taken for the same."""
+    scan = PotentialScan(as_potential(Corner(3.0, 0.7)))
+    before = scan.compiled
+    scan.compiled = lambda r: tuple(1.0001 * each for each in before(r))
+    _, compiled = check_agreement(scan)
+    assert not compiled.passed and compiled.value == pytest.approx(1e-4, rel=0.5)
+
+
+class OfPower(Potential):
+    """A power with its exponent as a field."""
+
+    n: float
+    e: float = 1.0
+
+    def energy(self, r):
+        return self.e / r**self.n
+
+
+class OfNamedPower(Potential):
+    """The same with a name for the power."""
+
+    n: float
+    e: float = 1.0
+
+    def energy(self, r):
+        power = r**self.n
+        return self.e / power
+
+
+@pytest.mark.parametrize("kind", [OfPower, OfNamedPower])
+@pytest.mark.parametrize("n", [6.5, 8.5, 11.5, 12.0, 36.0])
+def test_powers_of_any_exponent(kind, n, uncompiled):
+    """Their forces do not overflow where their energies do not, and no overflow is a length."""
+    report = check(kind(n))
+    assert report.passed, str(report)
+    assert report.curves.length == 1.0
+    for r in (1e-8, 1e8, 1e200 ** (1.0 / n)):
+        assert kind(n).force(r) == pytest.approx(n * r ** (-n - 1.0), rel=1e-12)
+
+
+@pytest.mark.parametrize(
+    ("factor", "note"),
+    [(-1.0, "the force has the wrong sign"), (0.5, "the force is 0.5 times -dU/dr"), (1.0, "")],
+)
+def test_a_force_that_is_a_multiple(factor, note, uncompiled):
+    class Multiple(NamedTuple):
+        s: float
+
+        def energy(self, r):
+            return self.s * np.exp(-r) / r
+
+        def force(self, r):
+            return factor * self.s * np.exp(-r) * (r + 1.0) / r**2
+
+    line = check(Multiple(1.0))["force"]
+    assert line.passed == (factor == 1.0)
+    assert note in line.note and bool(note) == bool(line.note)
+    assert "correct force()" in line.advice or line.passed
+
+
+def test_advice_for_a_derived_force(uncompiled):
+    """A class that defines none has none to correct."""
+
+    class Rough(NamedTuple):
+        s: float
+
+        def energy(self, r):
+            return (1e14 + self.s / r) - 1e14
+
+    line = check(Rough(1.0))["force"]
+    assert not line.passed
+    assert line.advice.startswith("the force is derived from energy()")
+
+
+def test_an_energy_that_collapses_is_noted(uncompiled):
+    """Within a barrier, U falls without end; it does not in a core, and an attraction has none."""
+    buckingham = expression("A*exp(-r/rho) - C/r**6", A=1000.0, rho=0.3, C=30.0)
+    note = check(buckingham)["limits"].note
+    assert "inside its barrier at r = 1.1" in note and "domain()" in note
+    for other in (LennardJones(1.0, 1.0), BUILT_IN["coulomb"](-1.0), BUILT_IN["gaussian"](-1.0, 1.0)):
+        assert "barrier" not in check(other)["limits"].note
+
+
+def test_the_figure_marks_what_failed(uncompiled):
+    """An energy that rises with r does not hide its kink."""
+    from tribo.report_card.figure import card_figure
+
+    report = check(Corner(1.0, 1.0))
+    where = report["jumps of force"].where
+    marks = {"jumps of force": where, "limits": 1e19}
+    axes = card_figure(report.curves, report.title, marks).axes
+    assert axes[0].get_ylim()[1] < 20.0
+    assert [text.get_text() for text in axes[0].texts] == ["jumps of force"]
+    for ax in axes:
+        assert any(np.allclose(line.get_xdata(), where, rtol=1e-5) for line in ax.get_lines())

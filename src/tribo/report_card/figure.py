@@ -73,10 +73,11 @@ def card_figure(curves: Curves, title: str, failed: Mapping[str, float] | None =
 
 def _mark(top: Axes, axes: Sequence[Axes], failed: Mapping[str, float]) -> None:
     """Mark the distances of checks that failed, once where several have the same one."""
+    low, high = top.get_xlim()
     names: dict[str, list[str]] = {}
     for name, r in failed.items():
-        names.setdefault(f"{r:.6g}", []).append(name)
-    low, high = top.get_xlim()
+        if low <= r <= high:  # those of limits are far away
+            names.setdefault(f"{r:.6g}", []).append(name)
     for k, (place, checks) in enumerate(names.items()):
         r = float(place)
         for ax in axes:
