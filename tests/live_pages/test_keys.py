@@ -74,6 +74,19 @@ def test_given_controls(tmp_path):
         ({"upper.velocity": 3.0}, "must be a range"),
         (3, "controls: must be a mapping"),
         ({"panel": "Heat"}, "controls.panel: must be one of End value, Energy"),
+        ({"title": 5}, "controls.title: must be text in quotes, got 5"),
+        ({"titel": "x"}, 'controls.titel: has no control: .*did you mean "title"?'),
+        ({"upper.velocty": None}, 'did you mean "upper.velocity"?'),
+        (
+            {"upper": {"velocity": [0.1, 1.0]}},
+            'quotes in a TOML file, as "upper.velocity"',
+        ),
+        (
+            {"upper": {"velocity": {"label": "v"}}},
+            'in a TOML file, as "upper.velocity"',
+        ),
+        ({"interaction": {"strength": [0.1, 1.0]}}, 'file, as "interaction.strength"'),
+        ({"upper.velocity": [2.0, 3.0]}, r"contains the scene's value 0.5, got \[2.0, 3.0\]"),
     ],
 )
 def test_wrong_controls(given, problem):

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import difflib
 import math
 from collections.abc import Mapping
 from dataclasses import dataclass
@@ -54,6 +55,8 @@ RANGES = {
 OTHERS = (0.0, 3.0)
 # Keys that a mapping of controls may have beside keys of the scene.
 WORDS = ("title", "introduction", "questions", "panel")
+# Keys of the table of a control, and of that of potentials.
+OF_CONTROL = ("range", "label", "values", "own")
 # Panels of a page, one of which `panel` names: that which the page opens with.
 PANELS = ("End value", "Energy", "Numbers", "Many starts", "Files")
 
@@ -98,23 +101,31 @@ class Controls:
 
 
 def controls_of(
-    scene: Scene, given: object, found: list[Key], has_choices: bool = True
+    scene: Scene,
+    given: object,
+    found: list[Key],
+    has_choices: bool = True,
+    are_its_own: bool = True,
 ) -> Controls:
     """The controls of a scene: the usual ones, or those that a mapping or a TOML file gives.
 
     The keys are those that were `found`; the drives of a pair are choices.  Raises InputError for
-    an unknown key or a range that is none.
+    an unknown key or a range that is none.  Ranges contain the values of the scene if they
+    `are_its_own`, and not those of the scene with another potential.
     """
     keys = tuple(found)
     choices = tuple(_choices(scene) if has_choices else ())
     table = _table(given)
-    words = {name: str(table.pop(name)) for name in WORDS if name in table}
+    words = {name: table.pop(name) for name in WORDS if name in table}
+    for name, text in words.items():
+        if not isinstance(text, str):
+            raise must_be(f"controls.{name}", "text in quotes", text)
     if words.get("panel", PANELS[0]) not in PANELS:
         raise must_be("controls.panel", f"one of {', '.join(PANELS)}", words["panel"])
     laws = _laws(scene, table.pop(INTERACTION, None))
     wanted = table or _usual(scene, keys, choices)
     known = {key.key: key.value for key in keys} | {each.key: each.value for each in choices}
-    shown = tuple(_control(scene, known, key, value) for key, value in wanted.items())
+    shown = tuple(_control(scene, known, key, value, are_its_own) for key, value in wanted.items())
     return Controls(keys, choices, shown, words, laws)
 
 
@@ -139,7 +150,7 @@ def _laws(scene: Scene, given: object) -> Laws | None:
         return None
     if not isinstance(given, Mapping):
         raise must_be("controls.interaction", "a table with `values`", given)
-    table = known_keys(dict(given), ("values", "label", "own"), ("values",))
+    table = known_keys(_unquoted(INTERACTION, given), ("values", "label", "own"), ("values",))
     values = table["values"]
     if not isinstance(values, Mapping) or not values:
         raise must_be("controls.interaction.values", "potentials by the words for them", values)
@@ -199,16 +210,22 @@ def _plain(scene: Scene, key: str) -> list[str]:
     return [surface.name + key[1:] for surface in scene.surfaces]
 
 
-def _control(scene: Scene, known: Mapping[str, Any], key: str, given: Any) -> Control:
-    """A control of a key: with None the usual range, else a range or a table of its own."""
+def _control(
+    scene: Scene, known: Mapping[str, Any], key: str, given: Any, is_own: bool = True
+) -> Control:
+    """A control of a key: with None the usual range, else a range or a table of its own.
+
+    A range that is given contains the value, if that `is_own` of the scene of the page.
+    """
     every = _plain(scene, key)
     plain = every[0]
     if not all(each in known for each in every):
-        problem = (
-            "has no control: it is no number of this scene that a page can change; `tribo play` "
-            "changes all values"
-        )
-        raise InputError(f"controls.{key}", problem)
+        if isinstance(given, Mapping):
+            _unquoted(key, given)
+        near = difflib.get_close_matches(key, [*known, *WORDS, INTERACTION], n=1)
+        hint = f'did you mean "{near[0]}"?' if near else "`tribo play` changes all values"
+        problem = "has no control: it is no number of this scene that a page can change; "
+        raise InputError(f"controls.{key}", problem + hint)
     value = known[plain]
     rest = _rest(scene, plain)
     label = LABELS.get(rest, key)
@@ -226,9 +243,22 @@ def _control(scene: Scene, known: Mapping[str, Any], key: str, given: Any) -> Co
         raise must_be(f"controls.{key}", "a range [low, high]", bounds)
     if not low < high:
         raise must_be(f"controls.{key}", "a range whose first number is the lower one", bounds)
+    if bounds is not None and is_own and not low <= value <= high:
+        wanted = f"a range that contains the scene's value {value:g}"
+        raise must_be(f"controls.{key}", wanted, bounds)
     for end in (low, high):
         with_values(scene, {key: end})
     return Control(key, label, low, high, value)
+
+
+def _unquoted(key: str, table: Mapping[str, Any]) -> dict[str, Any]:
+    """A table of a control; raises InputError if a key with points was given without quotes."""
+    for inner, value in table.items():
+        if inner not in OF_CONTROL and (is_list(value) or isinstance(value, Mapping)):
+            whole = f'"{key}.{inner}"'
+            problem = f"has no control; a key with points needs quotes in a TOML file, as {whole}"
+            raise InputError(f"controls.{key}", problem)
+    return dict(table)
 
 
 def _rest(scene: Scene, key: str) -> str:

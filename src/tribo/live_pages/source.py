@@ -94,7 +94,9 @@ def _of_one_law(scene: Scene, given: object, is_other: bool) -> tuple[dict[str, 
     lattice = None if _is_small(layout) else Lattice(scene, layout)
     keys = keys_of(scene) if lattice is None else lattice.keys
     given = of_other_law(given, keys) if is_other else given
-    controls = controls_of(scene, given, keys, has_choices=lattice is None)
+    controls = controls_of(
+        scene, given, keys, has_choices=lattice is None, are_its_own=not is_other
+    )
     if lattice is None:
         found = _program(scene, layout) | _values(scene, layout, controls)
         found["module"] = _bytes(module_of(layout.model.contacts[0].potential))
