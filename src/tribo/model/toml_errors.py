@@ -18,7 +18,7 @@ MENDS = (
     (r"(?i)=\s*(true|false|inf|nan)\s*$", "write true, false, inf and nan in small letters"),
     (
         r"=\s*[+-]?\d[\d.]*([eE][+-]?\d+)?\s*[^\W\d_]+\S*\s*$",
-        "write the number alone, without unit",
+        "write the number without its unit",
     ),
     (r"=\s*[^\W\d]\S*\s*$", 'write words in quotes, as "coulomb"'),
     (r"=\s*$", "write a value behind ="),
