@@ -57,7 +57,7 @@ def load_scene(path: object) -> Scene:
 
 def scene_from(table: dict[str, Any], folder: Path = Path()) -> Scene:
     """The scene that the table of a file describes; `folder` is that of its plug-ins."""
-    if "duration" not in table and (place := _place_of("duration", table)):
+    if place := _place_of("duration", table):
         problem = f"must stand above the first table, as duration = 40.0; it stands under {place}"
         raise InputError("duration", problem)
     table = known_keys(table, KEYS, ["duration", "surface"])
@@ -72,8 +72,10 @@ def scene_from(table: dict[str, Any], folder: Path = Path()) -> Scene:
     return Scene(interactions=found, **table)
 
 
-def _place_of(key: str, table: dict[str, Any]) -> str:
-    """The heading of a table that contains a key, as "[[surface]]"; "" if none does."""
+def _place_of(key: str, table: object) -> str:
+    """The heading of a table that contains a key, as "[[surface]]"; "" if its place is right."""
+    if not isinstance(table, dict) or key in table:
+        return ""
     for name, value in table.items():
         if isinstance(value, dict) and key in value:
             return f"[{name}]"
