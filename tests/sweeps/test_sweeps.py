@@ -18,7 +18,7 @@ from tribo import InputError, Output, ensemble, paper, sweep
 from tribo.ensembles import batches, request
 from tribo.loops import frames
 from tribo.model.parameters import with_values
-from tribo.sweeps.figure import quantities, sweep_lines
+from tribo.sweeps.figure import law_lines, quantities, sweep_lines
 
 SCENE = paper.scene("A")
 VALUES = {"upper.velocity": [0.45, 0.5, 0.6], "interaction.strength": [0.1, 0.2]}
@@ -478,6 +478,48 @@ def test_figure_of_keys_that_are_swept_together():
         assert line.lines[0].get_linestyle() == "None"
     labels = [line.get_label() for line in sweep_lines(data, "upper.W", key).containers]
     assert labels[1] == "upper.drive.speed = 0.25, duration = 80.0"
+
+
+def test_figure_of_two_points_at_one_place():
+    """Marks and names tell the points apart that differ in a key swept together with this one."""
+    pair = "upper.drive.speed,duration"
+    coordinates = {
+        "upper.drive.speed": (pair, [0.5, 0.5, 0.1, 0.1]),
+        "duration": (pair, [10.0, 40.0, 50.0, 200.0]),
+    }
+    variables = {"status": (pair, ["completed"] * 4), "upper.W": (pair, np.arange(4.0))}
+    data = xarray.Dataset(variables, coordinates)
+    ax = sweep_lines(data, "upper.W")
+    lines = [container.lines[0] for container in ax.containers]
+    assert [list(line.get_ydata()) for line in lines] == [[2.0, 0.0], [3.0, 1.0]]
+    assert len({line.get_marker() for line in lines}) == 2
+    names = [text.get_text() for text in ax.get_legend().get_texts()]
+    assert names == ["duration = 50.0, 10.0", "duration = 200.0, 40.0"]
+
+
+@pytest.mark.parametrize("is_law", [False, True])
+def test_figure_of_points_without_values_or_intervals(is_law):
+    """A line without any value has no name, and marks without an interval are open."""
+    keys = {"load": [0.1, 0.2, 0.4], "speed": [0.5, 1.0, 2.0]}
+    values = np.arange(9.0).reshape(3, 3)
+    values[:, 1] = np.nan
+    half_widths = np.full((3, 3), 0.3)
+    half_widths[1, 0] = np.nan
+    variables = {
+        "status": (tuple(keys), np.full((3, 3), "completed")),
+        "friction": (tuple(keys), values),
+        "friction_half_width": (tuple(keys), half_widths),
+        "upper.W_mean": (tuple(keys), values),
+        "upper.W_half_width": (tuple(keys), half_widths),
+    }
+    data = xarray.Dataset(variables, keys, {"surface": "upper"})
+    ax = law_lines(data) if is_law else sweep_lines(data, "upper.W")
+    shown = ax.get_legend()
+    names = ["speed 0.5", "speed 2"] if is_law else ["speed = 0.5", "speed = 2.0"]
+    assert [text.get_text() for text in shown.get_texts()] == names
+    assert shown.get_title().get_text().endswith("open marks: no interval")
+    opened = [line for line in ax.get_lines() if line.get_markerfacecolor() == "white"]
+    assert [list(line.get_xydata().ravel()) for line in opened] == [[0.2, 3.0], []]
 
 
 def test_table_of_means(tmp_path, capsys):

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from itertools import cycle, product
+from itertools import product
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -25,6 +25,10 @@ BARS = {
 }
 # The key whose values are samples.
 SEED = "seed"
+# Markers of points that share a value on the horizontal axis, one after the other.
+MARKERS = ("o", "s", "^", "D")
+POINTS: dict[str, Any] = {"markersize": 3.0, "capsize": 2.0, "linewidth": 1.0}
+OPEN_MARKS = "open marks: no interval"
 
 
 def sweep_lines(
@@ -33,6 +37,8 @@ def sweep_lines(
     """Draw a quantity against one key, with intervals and a line for each value of the others.
 
     Seeds are samples: of points that differ in nothing else, the mean and its interval are drawn.
+    Where other points have intervals, marks of those without are open.  Points at one place, which
+    differ in a key that is swept together with this one, have different marks.
 
     Parameters
     ----------
@@ -70,24 +76,74 @@ def sweep_lines(
         # Points of one value differ in keys that are swept together with this one; words have no
         # values between them.
         joined = numbers and len({*values.tolist()}) == values.size
+        groups = _groups(values, order)
+        together = [other for other in keys_on(data, places_of[key]) if other != key]
+        beside = [other for other in places_of if places_of[other] in others]
+        has_open = False
         for number, indices in enumerate(lines):
             at = dict(zip(others, indices, strict=True))
-            half = None if bars is None else bars.isel(at).values[order]
-            beside = [other for other in places_of if places_of[other] in others]
-            label = ", ".join(f"{k} = {data[k].values[at[places_of[k]]]}" for k in beside)
-            how: Any = {"marker": "o", "markersize": 3.0, "capsize": 2.0, "linewidth": 1.0}
+            of_line = [f"{k} = {data[k].values[at[places_of[k]]]}" for k in beside]
+            how: Any = POINTS | {"color": COLOURS[number]}
             how["linestyle"] = DASHES[number % len(DASHES)] if joined else "none"
-            ax.errorbar(places[order], drawn.isel(at).values[order], half, label=label, **how)
+            for marker, own in zip(MARKERS, groups, strict=False):
+                of_group = [_listed(k, data[k].values[own]) for k in together if len(groups) > 1]
+                how |= {"marker": marker, "label": ", ".join([*of_line, *of_group])}
+                half = None if bars is None else bars.isel(at).values[own]
+                has_open |= _draw_points(ax, places[own], drawn.isel(at).values[own], half, how)
         at_end = "" if name.rpartition(".")[2] in AVERAGED else " at the end"
         ax.set(xlabel=key, ylabel=f"{name}{at_end}")
         if not numbers:
             ax.xaxis.set_minor_locator(NullLocator())
         title = f"bars: {meaning}" if meaning else None
-        if others:
+        if title is not None and has_open:
+            title += f"; {OPEN_MARKS}"
+        if others or len(groups) > 1:
             legend(ax, title=title)
         elif title is not None:
             ax.set_title(title, fontsize=NOTE_SIZE)
     return ax
+
+
+def _groups(values: np.ndarray, order: np.ndarray) -> list[np.ndarray]:
+    """The indices of points in groups of which none has a value twice, each in an order.
+
+    All are in one group where there would be more groups than markers.
+    """
+    listed = values.tolist()
+    number = dict.fromkeys(listed, 0)
+    place = np.zeros(values.size, int)
+    for k in order:
+        place[k] = number[listed[k]]
+        number[listed[k]] += 1
+    if place.max() >= len(MARKERS):
+        return [order]
+    return [order[place[order] == group] for group in range(place.max() + 1)]
+
+
+def _listed(key: str, values: np.ndarray) -> str:
+    """A key and its values at the points of a group, of many the first and the last."""
+    found = [str(value) for value in dict.fromkeys(values.tolist())]
+    return f"{key} = {', '.join(found)}" if len(found) < 4 else f"{key} = {found[0]} to {found[-1]}"
+
+
+def _draw_points(
+    ax: Axes, x: np.ndarray, y: np.ndarray, half: np.ndarray | None, how: dict[str, Any]
+) -> bool:
+    """Draw points with their error bars; whether some of them have none, whose marks are open.
+
+    Nothing is drawn, nor named in the legend, where no point is finite.
+    """
+    is_drawn = np.isfinite(y)
+    if not np.any(is_drawn):
+        return False
+    ax.errorbar(x, y, half, **how)
+    if half is None:
+        return False
+    is_open = is_drawn & ~np.isfinite(half)
+    marks: dict[str, Any] = {"marker": how["marker"], "markersize": how["markersize"]}
+    marks |= {"color": how["color"], "markerfacecolor": "white", "linestyle": "none"}
+    ax.plot(x[is_open], y[is_open], zorder=3, **marks)
+    return bool(np.any(is_open))
 
 
 def _points(
@@ -168,17 +224,20 @@ def law_lines(data: xarray.Dataset, against: str | None = None, ax: Axes | None 
         raise InputError("data", f"has {len(lines)} lines; select values with data.sel or isel")
     with drawing_on(ax, COLUMN, 0.75 * COLUMN) as ax:
         places = data[name].values
-        for indices, colour in zip(lines, cycle(COLOURS), strict=False):
+        has_open = False
+        for indices, colour in zip(lines, COLOURS, strict=False):
             at = dict(zip(others, indices, strict=True))
             own = data.isel(at)
             labels = [f"{_label(data[k])} {data[k].values[at[k]]:g}" for k in others]
             half_width = own["friction_half_width"].values
-            style: Any = {"marker": "o", "markersize": 3.0, "capsize": 2.0, "linewidth": 1.0}
-            style |= {"color": colour, "label": ", ".join(labels)}
-            ax.errorbar(places, own["friction"].values, half_width, **style)
+            how = POINTS | {"marker": MARKERS[0], "color": colour, "label": ", ".join(labels)}
+            has_open |= _draw_points(ax, places, own["friction"].values, half_width, how)
         ax.set(xlabel=_label(data[name]), ylabel=f"friction on {data.attrs['surface']}")
         if name == "speed" and np.ptp(np.log10(np.abs(places))) >= 1.0:
             ax.set_xscale("log")
+        title = OPEN_MARKS if has_open else None
         if others:
-            legend(ax)
+            legend(ax, title=title)
+        elif title is not None:
+            ax.set_title(title, fontsize=NOTE_SIZE)
     return ax
