@@ -248,7 +248,7 @@ def test_the_command_with_noise(tmp_path, monkeypatch, capsys):
         "half-width 0.1: 64 members by verlet at step 0.05, 640 evaluations"
     )
     assert not lines[-5].endswith("larger") and lines[-4].endswith("; the step's bias is larger")
-    assert lines[-2] == "at the end, the step's bias is 0.05 +- 0.02"
+    assert lines[-2] == "at the end, the step's bias is 0.050 +- 0.020"
 
 
 @pytest.mark.parametrize(
@@ -256,8 +256,8 @@ def test_the_command_with_noise(tmp_path, monkeypatch, capsys):
     [
         ((0.3, 0.3), "no bias of the step can be seen (below its half-width of 0.51)"),
         ((0.3, 0.45), "no bias of the step can be seen (below its half-width of 0.51)"),
-        ((0.3, -0.9), "the step's bias is 0.9 +- 0.51"),
-        ((0.6, None), "the step's bias is 0.6 +- 0.44"),
+        ((0.3, -0.9), "the step's bias is 0.90 +- 0.51"),
+        ((0.6, None), "the step's bias is 0.60 +- 0.44"),
         ((0.3, None), "no bias of the step can be seen (below its half-width of 0.44)"),
         ((None, None), "the bias of the step was not measured"),
     ],

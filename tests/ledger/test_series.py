@@ -246,8 +246,29 @@ def test_friction_force(result, tmp_path):
     drawn, average, _ = result.plot.friction_force("upper").get_lines()
     assert np.array_equal(drawn.get_ydata(), force)
     assert list(average.get_ydata()) == [found.mean] * 2
-    assert average.get_label() == f"{found.mean:.4g}".replace("-", "\N{MINUS SIGN}")
-    assert mean_text(-5.123, 1.52, "±") == "-5.123 ± 1.5"
+    assert average.get_label() == f"mean {found.mean:.4g}".replace("-", "\N{MINUS SIGN}")
+
+
+@pytest.mark.parametrize(
+    ("mean", "half_width", "shown"),
+    [
+        (-5.123, 1.52, "-5.1 ± 1.5"),
+        (-0.1952, 0.197, "-0.20 ± 0.20"),
+        (-4.589, 0.7, "-4.59 ± 0.70"),
+        (0.98, 0.0996, "0.98 ± 0.10"),
+        (63.39, 11.2, "63 ± 11"),
+        (56789.0, 1234.0, "56800 ± 1200"),
+        (-0.001, 0.2, "0.00 ± 0.20"),
+        (1.23456e-7, 2e-9, "1.235e-07 ± 2.0e-09"),
+        (1.23456789e7, 2e3, "1.23457e+07 ± 2.0e+03"),
+        (1e-10, 2e-7, "0 ± 2.0e-07"),
+        (1.23456, np.nan, "1.235"),
+        (1.23456, 0.0, "1.235 ± 0"),
+    ],
+)
+def test_means_end_where_their_half_widths_do(mean, half_width, shown):
+    """Two digits of the half-width, and the mean to the same decimal place."""
+    assert mean_text(mean, half_width, "±") == shown
 
 
 def test_oscillators(result, tmp_path):

@@ -9,6 +9,7 @@ import pytest
 import xarray
 
 import tribo
+from tribo.results.averages import mean_text
 
 FUNCTIONS = 12  # trigonometric functions that the estimator fits
 
@@ -105,7 +106,7 @@ def test_incomplete_periods_do_not_matter_with_weights():
         half_width = found.weighted_half_width
         assert abs(found.weighted_mean - 7.0) < half_width < 0.2 * off
         assert off < found.half_width < 1.3 * off
-        assert f"vanish there it is {found.weighted_mean:.4g} +- {half_width:.2g}" in found.note
+        assert f"vanish there it is {mean_text(found.weighted_mean, half_width)}" in found.note
         assert found.effective_samples > 4001
 
 

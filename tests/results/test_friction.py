@@ -10,6 +10,7 @@ import tribo
 from support.command import main
 from tribo.ledger.ledger import Ledger, known
 from tribo.results import report
+from tribo.results.averages import mean_text
 
 HOW = {"method": "verlet", "step": 0.02}
 GAMMA = 1.0
@@ -224,11 +225,10 @@ def test_the_summary_prints_friction_heat_and_budget(result):
     """As text and as HTML, with the pull, per asperite and per load where there is one."""
     friction = result.friction_force("tip")
     text = str(result)
-    assert (
-        f"friction force {friction.mean:.4g} +- {friction.half_width:.2g} from t = 50.175 on"
-        in text
-    )
-    assert f"drive's force {result.pull_force('tip').mean:.4g} +- " in text
+    pull = result.pull_force("tip")
+    shown = mean_text(friction.mean, friction.half_width)
+    assert f"friction force {shown} from t = 50.175 on" in text
+    assert f"drive's force {mean_text(pull.mean, pull.half_width)} from" in text
     assert f"heat {result['tip'].heat[-1, 0]:.6g} to the reservoir" in text
     work = result.system["applied_work"][-1]
     drag = np.sum(result["tip"].w_T[-1])
@@ -245,8 +245,10 @@ def test_the_summary_divides_by_asperites_and_loads(result):
     """Friction per asperite, and as a part of the load on all of them."""
     drive = tribo.Pulled(load=0.5)
     upper = tribo.Surface("upper", drive=drive, shape=(4, 1), spacing=(1.0, 0.0))
-    text = report.in_words(result.friction_force("tip")._replace(mean=-0.8), upper, True)
-    assert text.startswith("-0.8 +- ") and text.endswith(", -0.2 per asperite, 0.4 of the load")
+    average = result.friction_force("tip")._replace(mean=-0.8)
+    text = report.in_words(average, upper, True)
+    assert text.startswith(mean_text(-0.8, average.half_width) + " from") and " +- " in text
+    assert text.endswith(", -0.2 per asperite, 0.4 of the load")
     alone = report.in_words(result.pull_force("tip"), result.scene.surfaces[0], False)
     assert "per asperite" not in alone and "load" not in alone
 
@@ -318,5 +320,7 @@ def test_notes_of_a_coefficient_quote_coefficients():
     found = result.friction_coefficient("tip", after=13.0)
     assert found.mean == pytest.approx(-0.5 * force.mean) and found.mean > 0.0
     assert found.weighted_mean == pytest.approx(-0.5 * force.weighted_mean)
-    assert f"it is {force.weighted_mean:.4g}" in force.note
-    assert f"it is {found.weighted_mean:.4g}" in found.note
+    shown = mean_text(force.weighted_mean, force.weighted_half_width)
+    assert f"it is {shown}" in force.note
+    shown = mean_text(found.weighted_mean, found.weighted_half_width)
+    assert f"it is {shown}" in found.note

@@ -32,6 +32,9 @@ import numpy as np
 
 from tribo.validation import InputError, must_be, number, vector
 
+# Most decimals, and the largest number, that a mean is shown with without a power of ten.
+MOST_DECIMALS = 6
+MOST_PLAIN = 1e6
 # Number of functions; the last one has half as many periods.  More would reach the frequency of
 # ten slips, fewer leave few degrees of freedom.
 FUNCTIONS = 12
@@ -338,8 +341,26 @@ def student(degrees: int, quantities: int = 1) -> float:
 
 
 def mean_text(mean: float, half_width: float, sign: str = "+-") -> str:
-    """A mean with its half-width, if that is finite, as summaries and figures show them."""
-    return f"{mean:.4g}" + f" {sign} {half_width:.2g}" * bool(np.isfinite(half_width))
+    """A mean with its half-width, if that is finite, as summaries and figures show them.
+
+    The half-width has two digits, and the mean ends at the same decimal place.
+    """
+    if not (np.isfinite(half_width) and np.isfinite(mean)):
+        return f"{mean:.4g}"
+    if half_width == 0.0:
+        return f"{mean:.4g} {sign} 0"
+    # Of the half-width after it is rounded: 0.0996 is 0.10.
+    _, _, exponent = f"{half_width:.1e}".partition("e")
+    decimals = 1 - int(exponent)
+    rounded = round(mean, decimals) + 0.0  # never -0
+    if decimals <= MOST_DECIMALS and max(abs(mean), half_width) < MOST_PLAIN:
+        shown = max(0, decimals)
+        return f"{rounded:.{shown}f} {sign} {round(half_width, decimals):.{shown}f}"
+    if rounded == 0.0:
+        return f"0 {sign} {half_width:.1e}"
+    _, _, exponent_of_mean = f"{rounded:e}".partition("e")
+    digits = max(0, decimals + int(exponent_of_mean))
+    return f"{rounded:.{digits}e} {sign} {half_width:.1e}"
 
 
 class Interval(NamedTuple):

@@ -18,6 +18,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike
 
+from tribo.results.averages import mean_text
 from tribo.validation import POSITIVE, InputError, number, vector
 
 # Of a normal deviate: 95 % are below it in magnitude.
@@ -58,7 +59,7 @@ class ExponentialAverage:
     trusted: bool
 
     def __str__(self) -> str:
-        text = f"{self.mean:.6g} +- {self.half_width:.2g}"
+        text = mean_text(self.mean, self.half_width)
         if self.trusted:
             return text
         return (

@@ -17,7 +17,7 @@ from tribo.ensembles import ensemble
 from tribo.kernels.status import Status
 from tribo.model.scene import Scene
 from tribo.prepared import Simulation
-from tribo.results.averages import student
+from tribo.results.averages import mean_text, student
 from tribo.simulation import prepare
 from tribo.validation import POSITIVE, InputError, number, one_of
 
@@ -94,7 +94,7 @@ class MeanRow:
         if self.bias == 0.0:
             half_width = f"{self.bias_half_width:.2g}"
             return f"no bias of the step can be seen (below its half-width of {half_width})"
-        text = f"the step's bias is {self.bias:.2g} +- {self.bias_half_width:.2g}"
+        text = f"the step's bias is {mean_text(self.bias, self.bias_half_width)}"
         other = f"; biases of other quantities below {self.unseen_bias:.2g} cannot be seen"
         return text + other * (self.unseen_bias > self.bias)
 
