@@ -762,7 +762,8 @@ def test_an_energy_that_collapses_is_noted(uncompiled):
     buckingham = expression("A*exp(-r/rho) - C/r**6", A=1000.0, rho=0.3, C=30.0)
     note = check(buckingham)["limits"].note
     assert "inside its barrier at r = 1.1" in note and "domain()" in note
-    for other in (LennardJones(1.0, 1.0), BUILT_IN["coulomb"](-1.0), BUILT_IN["gaussian"](-1.0, 1.0)):
+    attractions = BUILT_IN["coulomb"](-1.0), BUILT_IN["gaussian"](-1.0, 1.0)
+    for other in (LennardJones(1.0, 1.0), *attractions):
         assert "barrier" not in check(other)["limits"].note
 
 
