@@ -302,16 +302,16 @@ def checked_plan(runs: CheckedRuns, variation: Variation, count: int, threads: i
     plan, error = _cheapest(runs, variation, count, scales)
     if runs.own_numbers:  # each member is compared with a run at the level that is chosen
         return plan._replace(level=max(FLOOR, plan.level / ROUGHER))
-    pilot = variation.sample(count, runs.pilot)
-    starts = runs.begin(pilot)
+    members = variation.sample(count, runs.pilot)
+    starts = runs.begin(members)
     # The largest error to expect of the pilot's others, so that one round may suffice.
     expected = error * max(1.0, (len(starts.y) / (OTHERS * SAMPLE)) ** GROWTH)
     plan = _with_room(runs, plan, expected, 1.0)
-    counts = runs.run_pilot(plan, pilot.numbers, starts, threads)
+    counts = runs.run_pilot(plan, members.numbers, starts, threads)
     plan, error = _with_most_evaluations(runs, plan, starts, counts, threads)
     while error > ROOM and plan.level > runs.finest:
         plan = _with_room(runs, plan, error, TIGHTENED)
-        counts = runs.run_pilot(plan, pilot.numbers, starts, threads)
+        counts = runs.run_pilot(plan, members.numbers, starts, threads)
         plan, error = _with_most_evaluations(runs, plan, starts, counts, threads)
     return plan
 

@@ -49,9 +49,16 @@ class RungeKutta(NamedTuple):
         accounts = state.s.size
         return Stages(room((stages, coordinates)), room((stages, accounts)), room((coordinates,)))
 
-    begin = control.begin
-    arrive = control.arrive
-    stays_finite = control.stays_finite
+    def begin(self, model, neighbours, clock, state, work, speeds):
+        """Rates of change and the encounter rate at the start of a run; a status."""
+        return control.initialize(model, neighbours, clock, state, speeds)
+
+    def arrive(self, model, neighbours, clock, state, work):
+        """Nothing is left to be done for a sample: each step ends with a complete state."""
+
+    def stays_finite(self, model, state, updated):
+        """Whether the state and its rates of change are finite."""
+        return control.is_finite(state)
 
     def step(self, model, neighbours, clock, h, end, state, work, noise):
         """Advance the state to the time `end`."""

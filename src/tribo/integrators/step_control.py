@@ -128,21 +128,6 @@ def initialize(model, neighbours, clock, state, speeds):
     return codes.COMPLETED if is_finite(state) else codes.NOT_FINITE
 
 
-# Methods of those whose steps end with a complete state, for `time_loops.equal_steps`.
-def begin(method, model, neighbours, clock, state, work, speeds):
-    """The rates of change and the encounter rate at the start of a run; a status."""
-    return initialize(model, neighbours, clock, state, speeds)
-
-
-def arrive(method, model, neighbours, clock, state, work):
-    """Nothing is left to be done for a sample."""
-
-
-def stays_finite(method, model, state, updated):
-    """Whether the state and its rates of change are finite."""
-    return is_finite(state)
-
-
 @kernel
 def time_left(clock, goal):
     return (goal - clock.t) - clock.t_low

@@ -5,8 +5,7 @@ are compiled, as kernels find those of a plug-in:
 
     workspace(model, state)   for Python: the arrays that a step needs
 
-For :func:`equal_steps`; the first and the last two of a method whose steps end with a complete
-state are those of :mod:`tribo.integrators.step_control`:
+For :func:`equal_steps`:
 
     begin(...)                at the start of a run and after a pause: what the first step needs;
                               returns COMPLETED, or the status with which the run stops
