@@ -9,7 +9,7 @@ import pytest
 import xarray
 
 import tribo
-from tribo.results.averages import mean_text
+from tribo.results.averages import average_from, mean_text
 
 FUNCTIONS = 12  # trigonometric functions that the estimator fits
 
@@ -167,8 +167,8 @@ def test_units_and_offsets_do_not_matter():
     t = np.linspace(0.0, 1.0, 1500)
     one = tribo.time_average(t, values, 0.0)
     other = tribo.time_average(5.0 + 1e6 * t, 1e-9 * (values - 1e3), 0.0)
-    assert other.mean == pytest.approx(1e-9 * (one.mean - 1e3), rel=1e-9)
-    assert other.half_width == pytest.approx(1e-9 * one.half_width, rel=1e-5)
+    assert other.mean == pytest.approx(1e-9 * (one.mean - 1e3), rel=1e-9, abs=0.0)
+    assert other.half_width == pytest.approx(1e-9 * one.half_width, rel=1e-5, abs=0.0)
     assert other.correlation_time == pytest.approx(1e6 * one.correlation_time, rel=1e-5)
 
 
@@ -183,6 +183,40 @@ def test_the_run_in_is_left_out():
     assert abs(tribo.time_average(t, values + 5.0 * np.exp(-t / 4.0), 0.0).mean - 1.0) > 0.1
     trend = tribo.time_average(t, values + 0.002 * t)
     assert "has a trend of 0.00" in trend.note
+
+
+def test_the_origin_of_time_does_not_matter():
+    """The run-in that is left out is as long wherever a series begins in time."""
+    t = np.linspace(0.0, 50.0, 501)
+    noise = np.random.default_rng(1).standard_normal(t.size)
+    values = 5.0 * np.exp(-t / 2.0) + noise
+    one = tribo.time_average(t, values)
+    other = tribo.time_average(t + 100.0, values)
+    assert one.after > 0.0
+    assert other.after == pytest.approx(one.after + 100.0)
+    assert other.mean == pytest.approx(one.mean, rel=1e-9)
+
+
+def test_means_over_intervals_have_no_direction_of_time():
+    """Means over equal intervals in reverse order have the same average and interval."""
+    t = np.linspace(0.0, 10.0, 61)
+    walk = np.cumsum(np.random.default_rng(2).standard_normal(60))
+    values = 0.1 * walk + np.random.default_rng(3).standard_normal(60)
+    one, other = (
+        average_from(t, np.append(np.nan, each), 0.0, of_intervals=True)
+        for each in (values, values[::-1])
+    )
+    assert other.weighted_mean == pytest.approx(one.weighted_mean, rel=1e-9)
+    assert other.half_width == pytest.approx(one.half_width, rel=1e-9)
+
+
+def test_sawtooths_have_no_trend():
+    """Slips between samples, which are not resolved, make none of a periodic series."""
+    rng = np.random.default_rng(0)
+    for _ in range(100):
+        t = np.linspace(0.0, 1.0, int(rng.integers(60, 140)))
+        values = (rng.uniform(8.0, 14.0) * t + rng.uniform()) % 1.0
+        assert "trend" not in tribo.time_average(t, values, after=0.0).note
 
 
 def test_wrong_input_is_refused():

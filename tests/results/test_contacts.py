@@ -68,6 +68,24 @@ def test_contacts_are_pairs_that_repel(result, name, other):
     assert np.abs(found["force_count"].values - counts).sum() <= 1  # the largest is an edge
 
 
+def test_forces_of_contacts_with_several_surfaces():
+    """A bob that touches two surfaces, by a potential for each, has both forces."""
+    rigid = {"asperite": tribo.Asperite(kappa=np.inf)}
+    a = Surface("a", bob=(0.0, 0.0), **rigid)
+    b = Surface("b", facing="up", bob=(0.0, -0.8), **rigid)
+    c = Surface("c", facing="up", bob=(0.9, 0.0), **rigid)
+    soft, hard = tribo.Hertz(2.0, 1.0), tribo.Hertz(5.0, 1.0)
+    contacts = [
+        tribo.Interaction(soft, between=("a", "b")),
+        tribo.Interaction(hard, between=("a", "c")),
+    ]
+    scene = Scene([a, b, c], contacts, 1e-3, output=Output(samples=2))
+    found = tribo.simulate(scene, accuracy=1e-6).contacts("a")
+    forces = soft.force(0.8), hard.force(0.9)
+    assert found["force_largest"].values[0] == pytest.approx(max(forces), rel=1e-4)
+    assert found["force_mean"].values[0] == pytest.approx(np.mean(forces), rel=1e-4)
+
+
 def test_normal_forces_point_away(result):
     """From what a surface faces; both surfaces feel the same, and attraction bears no load."""
     upper, lower = result["upper"], result["lower"]
@@ -137,6 +155,23 @@ def test_a_profile_of_velocities(result):
     assert profile["slip"].values[0] == pytest.approx(-slip)
     assert np.isnan(profile["slip"].values[1])
     assert profile["velocity"].values[0] == pytest.approx(0.4, abs=0.05)
+
+
+def test_a_profile_is_that_of_the_momentum():
+    """Heavy asperites count more: the velocity of a surface is momentum over mass."""
+    masses = np.array([2.0, 6.0])
+    surface = Surface(
+        "s",
+        asperite=tribo.Asperite(kappa=np.inf, m1=1.0, m2=masses - 1.0),
+        shape=(2, 1),
+        spacing=(1.0, 0.0),
+        drive="free",
+        initial={"vx": np.array([0.8, 0.0])},
+    )
+    scene = Scene([surface], [], 2.0, output=Output(samples=51))
+    profile = tribo.simulate(scene, accuracy=1e-6).velocity_profile()
+    expected = 0.8 * masses[0] / masses.sum()
+    assert profile["velocity"].values[0] == pytest.approx(expected, rel=1e-9)
 
 
 def test_averages_of_contacts_are_kept(result):

@@ -71,6 +71,33 @@ def test_a_tip_that_is_pulled_slowly():
     assert found.times[0] == pytest.approx(expected, rel=0.02)
 
 
+def test_a_tip_that_a_moving_observer_sees():
+    """Tip, stage, corrugation and reservoir move for the observer; the force is the same."""
+    tip = tribo.Surface(
+        "tip",
+        asperite=tribo.Asperite(kappa=np.inf),
+        drive=tribo.Pulled(stiffness=5.0, speed=0.02),
+        langevin=tribo.Langevin(gamma=GAMMA),
+    )
+    field = tribo.Field(tribo.Corrugation(AMPLITUDE, PERIOD), on=["tip"])
+    output = tribo.Output(samples=1001)
+    scene = tribo.Scene([tip], [], 60.0, fields=[field], output=output)
+    known, found = (
+        tribo.simulate(each, **HOW).depinning("tip") for each in (scene, boosted(scene, (0.5, 0.0)))
+    )
+    assert found.mean == pytest.approx(known.mean, rel=1e-9)
+
+
+def test_a_schedule_of_negative_speeds_pulls_the_other_way():
+    """The force is that of the mirror image, whose speed is a positive number, but for its sign."""
+    known, found = (
+        run(tribo.Pulled(stiffness=5.0, speed=speed), 40.0).depinning("tip")
+        for speed in (0.05, [[0.0, -0.05], [40.0, -0.05]])
+    )
+    assert known.mean > 0.0
+    assert found.mean == pytest.approx(-known.mean, rel=1e-9)
+
+
 @pytest.mark.parametrize("sign", [1.0, -1.0])
 def test_a_run_that_ends_after_a_slip_of_several_periods(sign):
     """The spring then pushes back, which is not the direction of the slide."""
@@ -171,3 +198,27 @@ def test_blocks_whose_force_is_not_known_without_a_record(settings):
     found = tribo.simulate(recorded, method="rk4", step=0.02).depinning("tip", 0.3)
     assert found.each.shape == (1,) and np.isnan(found.half_width)
     assert found.mean > 0.0
+
+
+def test_the_force_on_a_rigid_block_needs_no_record():
+    """It follows from the places of the bars, which is what the spring of the block sees."""
+    drive = tribo.Pulled(stiffness=5.0, speed=0.1, load=0.1, block=True)
+    tip = tribo.Surface(
+        "tip",
+        shape=(3, 1),
+        spacing=(1.0, 0.0),
+        asperite=tribo.Asperite(kappa=np.inf),
+        drive=drive,
+        langevin=tribo.Langevin(gamma=GAMMA),
+    )
+    field = tribo.Field(tribo.Corrugation(0.1, PERIOD), on=["tip"])
+    told, quiet = (
+        tribo.simulate(
+            tribo.Scene([tip], [], 20.0, fields=[field], output=output), method="rk4", step=0.02
+        ).depinning("tip", 0.3)
+        for output in (
+            tribo.Output(samples=401, series=["forces"]),
+            tribo.Output(samples=401),
+        )
+    )
+    assert quiet.mean == pytest.approx(told.mean, rel=1e-9)

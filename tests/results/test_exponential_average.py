@@ -59,3 +59,8 @@ def test_units_and_refusals():
         with pytest.raises(InputError):
             exponential_average(works, temperature)
     assert tribo.ExponentialAverage is type(one)
+
+
+def test_equal_works_carry_the_mean_alike():
+    """Half of 100 equal works carry half of their mean."""
+    assert exponential_average(np.zeros(100), 1.0).carriers == 50

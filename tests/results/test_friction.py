@@ -2,15 +2,18 @@
 
 import json
 from dataclasses import replace
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
 
 import tribo
 from support.command import main
+from support.transformations import boosted
 from tribo.ledger.ledger import Ledger, known
 from tribo.results import report
-from tribo.results.averages import mean_text
+from tribo.results.averages import Average, mean_text
+from tribo.results.force_averages import _sampling_note
 
 HOW = {"method": "verlet", "step": 0.02}
 GAMMA = 1.0
@@ -262,6 +265,16 @@ def test_a_large_drag_is_noted():
     assert drag in json.loads(result.to_json())["pull_force"]["tip"]["note"]
 
 
+def test_the_drag_is_that_of_any_observer():
+    """An observer who moves sees the reservoir move, too, and the same drag on the bars."""
+    scene = replace(tip(gamma=8.0, samples=501, run_in=0.0), duration=100.0)
+    known, found = (
+        tribo.simulate(each, **HOW).pull_force("tip").note
+        for each in (scene, boosted(scene, (0.5, 0.0)))
+    )
+    assert "drag" in known and found == known
+
+
 def test_the_average_of_a_stopped_run_says_so(result):
     """Its status and its time are in the note."""
     stopped = replace(result)
@@ -324,3 +337,19 @@ def test_notes_of_a_coefficient_quote_coefficients():
     assert f"it is {shown}" in force.note
     shown = mean_text(found.weighted_mean, found.weighted_half_width)
     assert f"it is {shown}" in found.note
+
+
+class Sliding(dict):
+    """What the note on samples uses of a result: times, speeds and works."""
+
+    t = np.linspace(0.0, 10.0, 101)
+    scene = SimpleNamespace(surfaces=(tribo.Surface("upper", velocity=(0.5, 0.0)),), fields=())
+
+
+def test_samples_of_a_coefficient_are_compared_with_its_work():
+    """The work of a friction force of -0.8 agrees with a coefficient of 2 at a load of 0.4."""
+    result = Sliding(upper={"friction_work": 0.5 * 0.8 * Sliding.t})
+    for mean, noted in ((2.0, False), (1.0, True)):
+        found = Average(mean, 0.01, 0.1, 0.1, 50.0, 0.0)
+        note = _sampling_note(result, "upper", found, 10.0, -0.4)
+        assert ("samples miss a part of the motion" in note) == noted

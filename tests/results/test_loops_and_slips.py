@@ -1,14 +1,17 @@
 """Friction loops, slips and force-distance curves, against closed forms and another integrator."""
 
 from dataclasses import replace
+from types import SimpleNamespace
 from typing import NamedTuple
 
 import numpy as np
 import pytest
+import xarray
 from scipy.integrate import solve_ivp
 
 import tribo
 from tribo import Asperite, Corrugation, Field, InputError, Langevin, Output, Pulled, Scene, Surface
+from tribo.results.slips import _note as slips_note
 from tribo.results.stage import pull_of, turning_points
 
 AMPLITUDE, STIFFNESS, PERIOD, SPEED, DAMPING = 0.1, 0.5, 1.0, 0.02, 4.0
@@ -119,6 +122,13 @@ def test_oscillations_after_a_slip_are_no_slips(pulled):
     assert np.all(table["size"] > 0.5 * PERIOD)
 
 
+def test_falls_close_to_the_least_one_are_noted():
+    """A fall of 1 counts by chance if the least that counts is 0.9; falls of 2 do not."""
+    drops = {"duration": ("slip", [9.0] * 4), "drop": ("slip", [1.0, 2.0, 2.0, 2.0])}
+    result = SimpleNamespace(t=np.arange(5.0))
+    assert "1 of 4 falls are close" in slips_note(result, xarray.Dataset(drops), 0.9)
+
+
 def test_a_loop_is_that_of_another_integration(swung):
     """Its area is the work of the stage, and what the damping takes; a cycle lacks nothing."""
     stage = STROKE * np.sin(FREQUENCY * swung.t)
@@ -227,6 +237,44 @@ def test_a_loop_needs_no_forces(settings):
     assert pull_of(after, "upper").position == pytest.approx(1.5 + moved, abs=1e-12)
 
 
+def test_the_pull_of_a_body_with_unequal_rods_needs_no_forces():
+    """Bars of one block on an elastic body, whose rods are of several lengths."""
+    drive = Pulled(stiffness=3.0, speed=0.2, load=0.4, block=True)
+    tips = Asperite(kappa=np.inf, length=np.array([0.8, 1.0, 1.3]))
+    row = {"spacing": (1.2, 1.2)}
+    body = {"elastic": {"modulus": 2.0, "poisson": 0.3}, "asperite": tips, "shape": (3, 1)}
+    upper = Surface("upper", bob=(0.3, 1.0), drive=drive, **body, **row)
+    row |= {"shape": (9, 1), "asperite": Asperite(kappa=np.inf)}
+    lower = Surface("lower", facing="up", bob=(-3.0, 0.0), drive="bars", **row)
+    told, quiet = (
+        tribo.simulate(
+            Scene((upper, lower), tribo.Hertz(2.0, 1.0), 4.0, output=output),
+            method="dop853",
+            accuracy=1e-6,
+        )
+        for output in (Output(samples=21, series=["forces"]), Output(samples=21))
+    )
+    force = told["upper"].pull_force
+    assert np.max(np.abs(force)) > 0.1
+    assert np.max(np.abs(pull_of(quiet, "upper").force - force)) < 1e-10
+
+
+def test_the_pull_of_a_run_that_continues_with_another_speed():
+    """Its new schedule begins at the state, and so does the stage from which the pull follows."""
+
+    def scene(speed, series, duration):
+        drive = Pulled(stiffness=2.0, speed=speed)
+        return replace(tip(drive, duration, 41), output=Output(samples=41, series=series))
+
+    first = tribo.simulate(scene(0.1, [], 4.0), method="verlet", step=0.02)
+    faster = [[0.0, 0.3], [10.0, 0.5]]
+    told, quiet = (
+        tribo.simulate(scene(faster, series, 8.0), start=first.state(), method="verlet", step=0.02)
+        for series in (["forces"], [])
+    )
+    assert pull_of(quiet, "upper").force == pytest.approx(told["upper"].pull_force, abs=1e-9)
+
+
 def test_the_loop_of_a_damped_block_that_goes_on():
     """The stage is where an earlier run left it; the force that is recorded has the damper's."""
     points = [[0, 0.2], [10, 0.2], [10, -0.2], [20, -0.2], [20, 0.2], [30, 0.2]]
@@ -251,6 +299,7 @@ def test_turning_points():
     triangle = np.abs((t + 0.5) % 2.0 - 1.0)
     assert turning_points(triangle, 0.1).tolist() == [0, 5, 15, 25, 35, 40]
     assert turning_points(np.zeros(5), 0.1).tolist() == [0, 4]
+    assert turning_points(np.array([0.5, 0.0, 3.0, 1.0]), 1.0).tolist() == [0, 1, 2, 3]
 
 
 def test_force_over_distance():
