@@ -11,7 +11,7 @@ from support.hard_scenes import changed, side_by_side, stopped
 from tribo.integrators.methods import METHODS
 from tribo.integrators.step_control import Tolerance
 from tribo.layout.layout import lay_out
-from tribo.ledger import sinks
+from tribo.ledger import guards, sinks
 from tribo.ledger.samples import Samples
 from tribo.ledger.separation import closest_bobs
 from tribo.loops import integrate
@@ -196,3 +196,33 @@ def test_energy_of_a_field_is_no_runaway(monkeypatch):
     again = tribo.simulate(replace(scene, output=output), step=0.05, method="verlet")
     assert again.status == "completed"
     assert np.array_equal(again["point"].delta_k_trans, result["point"].delta_k_trans)
+
+
+def test_a_bar_that_starts_beyond_the_other_surface_has_not_passed():
+    """Only what was above the other surface at the start can pass through it."""
+    upper = tribo.Surface("upper", bob=(0.0, -5.0), drive=tribo.Free(load=0.1))
+    lower = tribo.Surface("lower", facing="up", drive="bars")
+    layout = lay_out(tribo.Scene([upper, lower], tribo.Gaussian(0.2, 0.5), 1.0))
+    assert not guards._beyond(layout, Samples.at_zero(layout), 0, 1).any()
+
+
+@pytest.mark.parametrize(
+    ("drive", "bodies"), [("free", 3), (tribo.Free(load=0.1, block=True), 1)], ids=["each", "block"]
+)
+def test_energy_that_a_reservoir_exchanges(drive, bodies):
+    """Along each axis T / 2 at the start and T gamma / m a time; a block is one body.
+
+    With gamma of each bar and three bars, a block has three times the friction and the mass.
+    """
+    gamma, temperature, mass, duration = 0.5, 0.3, 2.0, 7.0
+    row = tribo.Surface(
+        "row",
+        shape=(3, 1),
+        spacing=(1.0, 0.0),
+        asperite=tribo.Asperite(kappa=np.inf, m1=0.5 * mass, m2=0.5 * mass),
+        drive=drive,
+        langevin=tribo.Langevin(gamma=gamma, temperature=temperature),
+    )
+    each = 2.0 * temperature * (0.5 + gamma / mass * duration)
+    exchanged = guards._exchanged(lay_out(tribo.Scene([row], [], duration)))
+    assert exchanged == pytest.approx(bodies * each)

@@ -10,7 +10,14 @@ from scipy import stats
 import tribo
 from tribo import Asperite, Free, Output, Scene, Surface
 from tribo.layout.layout import lay_out
-from tribo.ledger.separation import _any_within, nearest_images
+from tribo.ledger.nearest import nearest
+from tribo.ledger.separation import (
+    _any_within,
+    _by_trees,
+    _part,
+    contact_distance_of,
+    nearest_images,
+)
 
 HEIGHT, LOAD, WIDTH = 0.6, 0.1, 0.2
 CUTOFF, DURATION = 0.8, 20.0
@@ -172,6 +179,17 @@ def test_time_without_contact_of_an_endless_potential():
     chord = 2.0 * np.sqrt(radius**2 - gap**2) / speed
     # Less than half of the time: the bobs move little until they meet.
     assert 1.0 - share == pytest.approx(chord / DURATION, rel=0.06)
+
+
+def test_contact_is_where_the_energy_exceeds_torsion_and_temperature():
+    """A distance r at which A exp(-r / rho) = (kappa / 2 + T) / 100; distances are 2 % apart."""
+    soft = Asperite(kappa=2.0)
+    warm = tribo.Langevin(gamma=1.0, temperature=3.0)
+    surface = Surface("a", asperite=soft, langevin=warm)
+    other = Surface("b", facing="up", asperite=soft)
+    scene = Scene([surface, other], tribo.BornMayer(5.0, 0.5), 1.0)
+    expected = 0.5 * np.log(5.0 / (0.01 * (0.5 * 2.0 + 3.0)))
+    assert contact_distance_of(scene, scene.surfaces[0]) == pytest.approx(expected, rel=0.021)
 
 
 def test_contact_is_repulsion():
@@ -338,3 +356,29 @@ def test_contact_by_trees_is_that_of_all_pairs(period, speed):
         np.testing.assert_array_equal(found, closest < distance)
         some += found.sum()
     assert 0 < some < 3 * times
+
+
+def test_surfaces_that_met_regularly_have_not_parted():
+    """A time since the last contact that is as long as those between contacts is no parting."""
+    assert not _part(np.linspace(0.0, 100.0, 101), np.arange(0.0, 85.0, 12.0))
+
+
+def test_contact_of_surfaces_that_approach_is_found_by_trees():
+    """Of bobs in space, from far apart to among one another, as by all pairs."""
+    scene = Scene([Surface("a"), Surface("b", facing="up")], tribo.Hertz(1.0, 1.0), 1.0)
+    rng = np.random.default_rng(0)
+    mine = np.repeat(rng.uniform(0.0, 9.0, (1, 25, 3)), 40, axis=0)
+    approach = np.linspace(30.0, 0.0, 40)[:, None, None] * [1.0, 0.0, 0.0]
+    theirs = rng.uniform(0.0, 9.0, (1, 25, 3)) + approach
+    closest = np.linalg.norm(mine[:, :, None] - theirs[:, None], axis=-1).min(axis=(1, 2))
+    found = _by_trees(lay_out(scene), mine, theirs, 1.5)
+    np.testing.assert_array_equal(found, closest < 1.5)
+    assert found.any() and not found.all()
+
+
+@pytest.mark.parametrize("period", [1.0, 0.0])
+def test_the_nearest_bob_may_be_an_image(period):
+    """Bobs at 0.9 and 0.1 of a period are 0.2 apart; without a period they are 0.8 apart."""
+    box = np.array([period, 0.0, 0.0])
+    (distance,), _ = nearest(np.array([[0.9, 0.0, 0.0]]), np.array([[0.1, 0.0, 0.0]]), box)
+    assert distance == pytest.approx(0.2 if period else 0.8)

@@ -342,3 +342,91 @@ def test_heat_of_the_bath_of_a_bar_that_is_pushed_ever_harder(velocity):
     assert result["upper"].heat_bath == pytest.approx(heat, abs=1e-8)
     common = 0.5 * m * (0.5 * rate * t[-1] ** 2 / (mass + m)) ** 2
     assert heat[-1] < 0.2 * common  # in the frame of the start it would be the larger part
+
+
+def test_the_work_of_a_stage_along_both_axes():
+    """Springs along x and y and the load do all work on a block; the springs' part has no loss."""
+    drive = tribo.Pulled(stiffness=5.0, stiffness_y=4.0, speed=0.1, load=0.1, block=True)
+    tip = tribo.Surface(
+        "tip",
+        shape=(3, 1),
+        spacing=(1.0, 0.0),
+        asperite=tribo.Asperite(kappa=np.inf),
+        drive=drive,
+        langevin=tribo.Langevin(gamma=1.0),
+    )
+    field = tribo.Field(tribo.Corrugation(0.1, 1.0), on=["tip"])
+    output = tribo.Output(samples=401)
+    scene = tribo.Scene([tip], [], 20.0, fields=[field], output=output)
+    table = tribo.simulate(scene, method="rk4", step=0.01)["tip"]
+    stored = table.e_pull - table.e_pull[0]
+    load = -0.1 * (table.y_cm[:, 0] - table.y_cm[0, 0])
+    works = np.sum(table.w2, axis=1)
+    assert works == pytest.approx(table.stage_work - stored + load, abs=1e-6)
+    assert np.ptp(table.y_cm) > 1e-3
+
+
+def test_the_energy_of_a_stage_at_a_body_of_pendulums():
+    """Springs hold the mean of the bars, whose height a swing changes; the budget closes."""
+    drive = tribo.Pulled(stiffness=3.0, stiffness_y=4.0, speed=0.3, load=0.4, block=True)
+    upper = tribo.Surface(
+        "upper",
+        bob=(0.3, 1.0),
+        shape=(3, 1),
+        spacing=(1.2, 1.2),
+        drive=drive,
+        asperite=tribo.Asperite(kappa=1.0),
+        elastic={"modulus": 2.0, "poisson": 0.3},
+        initial={"theta": 0.6},
+    )
+    periods = {"x": 3.6, "z": 1.2}
+    output = tribo.Output(samples=101)
+    scene = tribo.Scene((upper,), [], 2.0, periodic=periods, output=output)
+    result = tribo.simulate(scene, method="dop853", accuracy=1e-8)
+    table = result["upper"]
+    load = -0.4 * np.mean(table.y_bar - table.y_bar[0], axis=1)
+    total = result.system["total_energy_change"] + table.e_pull - table.e_pull[0]
+    assert total == pytest.approx(table.stage_work + load, abs=1e-5)
+
+
+def test_a_stiff_bath_moves_with_its_bar():
+    """Its oscillator has kinetic energy, and takes up no heat."""
+    surface = tribo.Surface(
+        "s",
+        asperite=tribo.Asperite(kappa=np.inf),
+        drive=tribo.Pushed(force=(0.2, 0.0)),
+        bath=tribo.Bath(masses=[0.5], frequencies=[200.0]),
+    )
+    output = tribo.Output(samples=11, series=["energies"])
+    scene = tribo.Scene([surface], [], 5.0, output=output)
+    table = tribo.simulate(scene, method="rk4", step=0.001)["s"]
+    assert abs(table.heat_bath[-1]) < 1e-3 * table.k_bath[-1]
+
+
+def test_the_kinetic_energy_of_a_bath_counts_both_axes():
+    """1/2 m v^2 of an oscillator that starts with its bar, which moves along x and y."""
+    surface = tribo.Surface(
+        "s",
+        asperite=tribo.Asperite(kappa=np.inf),
+        velocity=(0.3, 0.4),
+        bath=tribo.Bath(masses=[0.5], frequencies=[2.0]),
+    )
+    output = tribo.Output(samples=2, series=["energies"])
+    result = tribo.simulate(tribo.Scene([surface], [], 1.0, output=output), accuracy=1e-6)
+    assert result["s"].k_bath[0] == pytest.approx(0.5 * 0.5 * 0.5**2, rel=1e-12)
+
+
+def test_forces_on_a_driven_bar_change_its_momentum():
+    """Contact and reaction along y, over time, are the change of the momentum of the swing."""
+    start = {"theta": 1.0, "omega": 2.0}
+    upper = tribo.Surface("upper", bob=(-1.0, 0.0), drive="bars", initial=start)
+    lower = tribo.Surface("lower", facing="up", bob=(0.0, -1.0), drive="bars")
+    output = tribo.Output(samples=801, series=["forces"])
+    scene = tribo.Scene([upper, lower], tribo.Gaussian(0.2, 0.5), 2.0, output=output)
+    result = tribo.simulate(scene, accuracy=1e-8)
+    table = result["upper"]
+    impulse = np.trapezoid((table.f1_y + table.f2_y)[:, 0], result.t)
+    mass = scene.surfaces[0].each["mass"][0]
+    change = mass * (table.vy_cm[-1, 0] - table.vy_cm[0, 0])
+    assert abs(change) > 0.1
+    assert impulse == pytest.approx(change, abs=1e-4)

@@ -2,12 +2,17 @@
 
 import re
 import warnings
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
 
 import tribo
 from tribo import Asperite, Coulomb, Forced, Free, Langevin, Output, Scene, Surface
+from tribo.analysis import deep_core
+from tribo.layout.layout import lay_out
+from tribo.model.spectrum import Spectrum, valid_until
+from tribo.results import notes as result_notes
 
 
 def notes(lower_drive, velocity=(0.0, 0.0), count=2, **numerics):
@@ -59,6 +64,18 @@ def test_little_work_is_not_noted():
     assert tribo.simulate(Scene((upper, lower), Coulomb(0.2), 12.0)).notes == ()
 
 
+def test_work_is_compared_with_that_of_other_drives(monkeypatch):
+    """A note gives the work of the drive that holds a surface beside that of all other drives."""
+    row = {"shape": (2, 1), "spacing": (1.0, 0.0)}
+    surfaces = Surface("upper", velocity=(1.0, 0.0), **row), Surface("lower", facing="up", **row)
+    works = {"upper": {"w2": np.array([[1.0]])}, "lower": {"w2": np.array([[-0.9]])}}
+    ledger = SimpleNamespace(of=works.get)
+    monkeypatch.setattr(result_notes, "assemble", lambda layout, samples: ledger)
+    layout = lay_out(Scene(surfaces, tribo.Gaussian(0.1, 0.5), 1.0))
+    (note,) = result_notes.drive_notes(layout, SimpleNamespace(ends=lambda: None))
+    assert "-0.9 (other drives: 1)" in note
+
+
 def pressed(gap, periodic=None, **settings):
     """Bobs above one another, or nearly so."""
     upper = Surface("upper", bob=(-1e-17, gap), **settings)
@@ -97,6 +114,16 @@ def test_a_start_in_a_core_is_warned_of():
     with pytest.warns(tribo.TriboWarning, match="start deep in a repulsive core: 0.001 apart"):
         notes = tribo.simulate(scene, method="rk4", step=1e-6).notes
     assert "start deep in a repulsive core" in notes[0]
+
+
+@pytest.mark.parametrize(("speed", "count"), [(0.1, 1), (3.0, 0)])
+def test_kinetic_energy_counts_in_front_of_a_core(speed, count):
+    """A fast asperite has more energy of its own, beside which that of a weak core is small."""
+    soft = {"asperite": Asperite(kappa=0.1)}
+    upper = Surface("upper", bob=(0.0, 0.4), velocity=(speed, 0.0), **soft)
+    lower = Surface("lower", facing="up", **soft)
+    scene = Scene((upper, lower), tribo.LennardJones(1e-3, 1.0), 1.0)
+    assert len(deep_core.core_notes(lay_out(scene))) == count
 
 
 def passing(method, step, times=None, samples=25, **settings):
@@ -170,3 +197,36 @@ def test_angles_beyond_a_turn_are_noted():
     assert "swing from rest of 30 rad" in note and "30 degrees would be 0.5236" in note
     assert starting(initial=tribo.Initial(theta=6.2)) == ()
     assert starting(shape=(3, 1), spacing=(1.0, 0.0)) == ()
+
+
+def test_steps_along_z_are_noted_at_its_seam():
+    """Heights that rise along z fall at the end of its period; along x they repeat."""
+    nx, nz = 8, 6
+    along_x = 0.1 * np.sin(2.0 * np.pi * np.arange(nx) / nx)
+    heights = np.add.outer(np.linspace(0.0, 1.0, nz), along_x).ravel()
+    grid = {"shape": (nx, nz), "spacing": (1.0, 3.0), "heights": heights}
+    upper = Surface("upper", asperite=Asperite(kappa=np.inf), **grid)
+    scene = Scene([upper], [], 1.0, periodic={"x": 8.0, "z": 18.0})
+    seams = [note for note in result_notes.scene_notes(scene) if "repeats along" in note]
+    assert len(seams) == 1 and "repeats along z" in seams[0]
+
+
+def test_shorter_steps_that_keep_the_temperature():
+    """The excess e falls with the square of the step: e / (1 + e) is to be 1 %, and a bit less."""
+    (note,) = result_notes.excess_note(0.5, 0.1)
+    expected = 0.9 * 0.1 * np.sqrt(0.01 * 3.0)
+    assert f"steps of {expected:.2g} keep" in note
+
+
+def test_a_bath_of_unequal_masses_lasts_as_with_the_lightest():
+    """The lightest asperite of a surface tells how long its bath stands for a continuum."""
+    spectrum = Spectrum("drude", 1.0, 2.0, 8)
+
+    def notes_with(m1):
+        rigid = Asperite(kappa=np.inf, m1=m1, m2=0.5)
+        row = {"shape": (2, 1), "spacing": (1.0, 0.0), "drive": "free"}
+        surface = Surface("s", asperite=rigid, bath=tribo.Bath(spectrum=spectrum), **row)
+        return [*result_notes._on_baths(Scene([surface], [], 1e4))]
+
+    assert valid_until(spectrum, 0.6, 0.0) != valid_until(spectrum, 9.5, 0.0)
+    assert notes_with(np.array([0.1, 9.0])) == notes_with(0.1)
