@@ -92,6 +92,22 @@ def test_no_equilibrium():
         tribo.relax(5)
 
 
+def test_the_force_that_no_spring_takes_up_is_left():
+    """A push on a free bar finds no equilibrium: the force that is left is the push."""
+    asperite = Asperite(kappa=1.0, length=1.7)
+    pushed = Surface("s", asperite=asperite, drive=tribo.Pushed(force=(0.3, 0.0)))
+    with pytest.raises(tribo.NoEquilibriumError, match="where the force on") as error:
+        tribo.relax(tribo.Scene([pushed], [], 1.0))
+    assert abs(error.value.residual) == pytest.approx(0.3, rel=1e-6)
+
+
+def test_the_torque_that_no_spring_takes_up_is_left():
+    """Bobs at one place in a core: the message names the pendulum and the torque on it."""
+    surfaces = Surface("a"), Surface("b", facing="up")
+    with pytest.raises(tribo.NoEquilibriumError, match="the torque on asperite 0"):
+        tribo.relax(tribo.Scene(surfaces, tribo.LennardJones(1.0, 1.0), 1.0))
+
+
 def test_an_unstable_start_is_left():
     """Bobs that push hard buckle their pendulums; a load below the critical one does not."""
 

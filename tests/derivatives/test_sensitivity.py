@@ -83,6 +83,29 @@ def test_extrapolation_takes_the_best_step():
     assert best_of_ladder(smooth, np.full(6, np.inf)) is None
 
 
+def straight_line(errors):
+    """The best derivative of 3 x at 0 by four steps, with these errors of runs, and the steps."""
+    steps = 0.1 * 0.5 ** np.arange(4)
+    up, down = (3.0 * sign * steps[:, None] for sign in (1.0, -1.0))
+    return best_of_ladder(Differences(steps, up, down), np.array(errors)), steps
+
+
+def test_the_interval_of_an_extrapolated_derivative():
+    """(4 D(h/2) - D(h)) / 3, whose errors add up: each is that of runs over 2 h."""
+    best, steps = straight_line([1e-3] * 4)
+    own = 1e-3 / (2.0 * steps)
+    assert best.value == pytest.approx(3.0)
+    assert best.step == steps[1]
+    assert best.half_width == pytest.approx((4.0 * own[2] + own[1]) / 3.0, rel=1e-9)
+
+
+def test_a_step_that_is_lost_in_errors_of_runs_spoils_no_other():
+    """The shortest step has errors of one; the longer ones keep intervals of their own."""
+    best, _ = straight_line([1e-6, 1e-6, 1e-6, 1.0])
+    assert best.value == pytest.approx(3.0)
+    assert best.half_width < 1e-3
+
+
 def test_members_differ_in_pairs():
     """The mean over starts: the derivative of each member is known, and so is the interval."""
     spread = {"upper.omega": stats.norm(0.0, 0.3)}

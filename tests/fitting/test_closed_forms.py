@@ -4,6 +4,7 @@ Where a series is linear in its parameters, all that a fit reports follows from 
 """
 
 import json
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -11,6 +12,8 @@ import xarray
 from scipy import optimize, stats
 
 import tribo
+from tribo.fitting.notes import on_residuals
+from tribo.fitting.search import Minimum
 
 AMPLITUDE, STIFFNESS = KEYS = "field.amplitude", "upper.drive.stiffness"
 RANGES = {AMPLITUDE: (0.06, 0.16), STIFFNESS: (0.3, 0.8)}
@@ -232,6 +235,13 @@ def test_residuals_that_are_no_noise(series):
     neighbours, size = found.notes
     assert f"have the correlation {correlation:.2f}" in neighbours
     assert size.startswith(f"chi^2 is {found.chi2:.4g} with {T.size - 2} degrees of freedom")
+
+
+def test_residuals_of_the_usual_size_are_not_noted():
+    """chi^2 of 2000 with 199 degrees of freedom is all right where the noise follows from it."""
+    rest = np.random.default_rng(0).standard_normal(200)
+    least = Minimum(np.zeros(1), 2000.0)
+    assert on_residuals(rest, SimpleNamespace(impossible=0), None, least, 199) == []
 
 
 def test_candidates_without_a_series(series):

@@ -98,6 +98,7 @@ def test_files_of_data(tmp_path):
         trace_of(path, "upper.W")
     for wrong, message in (
         ((t[::-1], values), "that increase"),
+        ((t - 1.0, values), "from 0 or later"),
         ("no.csv", "cannot be read"),
         (t, r"must be \(t, values\)"),
         (xarray.DataArray(values), "must have times"),

@@ -107,6 +107,27 @@ def test_waves_on_a_layer_have_the_known_compliance():
     assert np.allclose(thick, free, rtol=1e-12)
 
 
+def test_rows_have_no_waves_across():
+    """The shortest wave along x: the bars' area over the compliance to waves along x."""
+    elastic = Elastic(modulus=2.0, poisson=0.2)
+    xx, yy, _ = elastic.stiffness((4, 1), (1.0, 3.0), 1.0)
+    along = elastic.waves(np.array([np.pi]))[0][0]
+    assert xx[0, 2] == pytest.approx(3.0 / along)
+    assert yy[0, 2] == pytest.approx(3.0 / along)
+
+
+@pytest.mark.parametrize("poisson", [-0.5, 0.0, 0.4])
+def test_no_wave_of_a_body_is_stiffer_than_the_bound(poisson):
+    """The largest eigenvalue of the matrix between all bars, along x and y."""
+    elastic = Elastic(2.0, poisson)
+    row = body(shape=(8, 2), spacing=(1.0, 1.0), elastic=elastic, drive="free")
+    scene = Scene([row], [], 1.0, periodic=Periodic(x=8.0, z=2.0))
+    xx, xy, yx, yy = elastic_body._between(scene, row)
+    whole = np.block([[xx, xy], [yx, yy]])
+    largest = np.linalg.eigvalsh(0.5 * (whole + whole.T)).max()
+    assert largest <= elastic_body.stiffest(scene)[0] * (1.0 + 1e-9)
+
+
 # --- motion --------------------------------------------------------------------------------------
 
 SHAPE = (12, 6)
@@ -410,6 +431,7 @@ def test_files_and_keys_keep_the_body(tmp_path):
         ({"elastic": {"modulus": 1.0}}, "poisson"),
         ({"elastic": {"modulus": 1.0, "poisson": 0.5, "thickness": 1.0}}, "below 0.5"),
         ({"drive": Pulled(**PULLS, damping=1.0, block=True)}, "damping of a block"),
+        ({"drive": Pulled(**PULLS, damping_y=0.5, block=True)}, "damping of a block"),
     ],
 )
 def test_what_is_refused(settings, problem):

@@ -124,6 +124,13 @@ def test_several_values():
     assert potential.switch_from == pytest.approx(1.8)
 
 
+def test_a_number_of_samples_takes_the_place_of_times():
+    """Times of a scene would contradict another number of samples."""
+    scene = tribo.Scene([tribo.Surface("s")], [], 4.0, output=tribo.Output(times=(0.0, 1.0, 4.0)))
+    times = with_values(scene, {"output.samples": 11}).times
+    assert times == pytest.approx(np.linspace(0.0, 4.0, 11))
+
+
 class Brake(NamedTuple):
     """A drag."""
 

@@ -81,6 +81,11 @@ def test_cut_offs(shape):
     assert steep == pytest.approx(-1.6 - (1 if shape == ROW else 2), abs=4 * error)
 
 
+def test_the_shortest_wavelength_is_that_of_the_coarser_spacing():
+    """Two points of a wave along the axis with the larger spacing, so that all are isotropic."""
+    assert Roughness(0.1, hurst=0.8).cut_offs((8, 8), (1.0, 2.0))[0] == 4.0
+
+
 def spectral_integral(power, hurst, dimensions, q_long, q_short):
     """Integral of q^(D - 1 + power) C(q) / C(q_long) over the wave numbers q = |q|."""
     below = dimensions + power

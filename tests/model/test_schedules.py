@@ -66,6 +66,11 @@ def test_kinks_and_extremes():
     assert SCHEDULES["jump"].at(2.0) == -1.0
 
 
+def test_the_lowest_value_of_a_sine_with_a_negative_amplitude():
+    """It is the mean less the size of the amplitude."""
+    assert tribo.Schedule.sine(0.1, -0.2, 3.0).low == pytest.approx(-0.1)
+
+
 def scene_of(drive, duration=8.0, **others):
     rigid = tribo.Asperite(m1=1.0, m2=2.0, kappa=np.inf)
     tip = tribo.Surface("tip", drive=drive, asperite=rigid, **others)
@@ -131,6 +136,7 @@ def test_refused_keys(values, message):
         (lambda: tribo.Pulled(stiffness=1.0, speed={"mean": 1.0, "amplitude": 1.0}), "period"),
         (lambda: tribo.Langevin(1.0, [[0, 1.0], [1, -1.0]]), "temperature.*must not be negative"),
         (lambda: tribo.Langevin(1.0, tribo.Schedule.sine(1.0, 2.0, 1.0)), "must not be negative"),
+        (lambda: tribo.Langevin(1.0, tribo.Schedule.sine(0.1, -0.2, 3.0)), "must not be negative"),
         (lambda: tribo.Pushed(force=[[0, 1], [2, 3]]), "each of which may be a schedule"),
         (
             lambda: tribo.Pushed(force=[[[0, 1]], 0.0], rate=[1, 0]),

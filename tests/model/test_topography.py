@@ -252,6 +252,13 @@ def test_heights_far_from_all_others_are_noted(tmp_path):
     ]
 
 
+def test_a_low_point_of_a_plateau_is_far_from_all_others():
+    """Instruments may write 0 where they measure nothing; heights count from their median."""
+    values = 1000.0 + np.random.default_rng(0).uniform(-1.0, 1.0, (20, 20))
+    values[3, 4] = 0.0
+    assert topography._outliers(Scan(values)) == 1
+
+
 def test_a_matrix_as_text_is_turned(tmp_path):
     """Each of its lines runs along x; of an array the first index is that of x."""
     pytest.importorskip("SurfaceTopography")

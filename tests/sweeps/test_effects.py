@@ -153,6 +153,12 @@ def test_keys_without_effect(values, how, problem):
         sweep(PAIR, values, **{"keep": ["upper.W"], **how})
 
 
+def test_seeds_of_members_with_noise_are_no_values():
+    """Members of a point have seeds of their own, by which their noise differs."""
+    with pytest.raises(InputError, match="changes nothing: members have other seeds"):
+        sweep(TRAP, {"seed": [1, 2]}, 4, keep=["p.W"], step=0.1)
+
+
 def numbers_by_key(scene):
     """Two values of every number of a scene that has a key."""
     keys = ["duration", "seed", *(f"interaction.{k}" for k in _numbers(scene.interactions))]

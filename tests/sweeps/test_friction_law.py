@@ -9,6 +9,7 @@ from scipy import stats
 import tribo
 from tribo import Asperite, Corrugation, Field, InputError, Langevin, Output, Pulled, Scene, Surface
 from tribo.sweeps.figure import law_lines
+from tribo.sweeps.friction_law import _total_load
 
 
 def tip(speed=0.2, duration=20.0, **drive):
@@ -92,6 +93,14 @@ def test_intervals_over_surfaces():
     half_width = stats.t.ppf(0.975, 2) * stats.sem(means, axis=-1)
     assert np.allclose(data["friction_half_width"], half_width)
     assert data.attrs["intervals"] == "seeds" and data["completed"].values.tolist() == [15]
+
+
+def test_the_load_of_a_block_is_that_of_all_its_asperites():
+    """One load presses the block, however many asperites carry it; else each has its own."""
+    for block, load in ((True, 0.4), (False, 1.2)):
+        drive = Pulled(stiffness=1.0, speed=1.0, load=0.4, block=block)
+        row = {"shape": (3, 1), "spacing": (1.0, 0.0), "asperite": Asperite(kappa=np.inf)}
+        assert float(_total_load(Surface("s", drive=drive, **row), {}, 1)) == pytest.approx(load)
 
 
 @pytest.mark.parametrize(
