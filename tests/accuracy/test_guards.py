@@ -91,6 +91,17 @@ def test_a_run_that_makes_no_progress_stops(monkeypatch):
     assert "closest bobs" in note_of_stop(result)
 
 
+def test_a_continued_run_that_stops_tells_what_its_rest_would_take(monkeypatch):
+    """Evaluations since the state, for the time since the state, are its mean rate."""
+    scene = replace(changed("A"), output=tribo.Output(samples=401))
+    first = tribo.simulate(replace(scene, duration=5.0, output=tribo.Output(samples=51)))
+    impatient(monkeypatch)
+    result = stopped("NoProgress", scene, start=first.state())
+    t = float(re.search("stopped at t = ([0-9.]+),", note_of_stop(result))[1])
+    rest = result.cost.force_evaluations * (scene.duration - 5.0) / (t - 5.0)
+    assert f"at its mean rate, the whole run would take about {rest:.2g} " in str(result)
+
+
 def test_equal_steps_are_not_bounded(monkeypatch):
     """A user who gives a step decides what it costs."""
     impatient(monkeypatch)

@@ -14,6 +14,10 @@ from support.scene_tables import scene_from
 from support.verdicts import compared
 from support.wide_scenes import wide_scene
 from tribo import Asperite, Coulomb, Initial, Output, Scene, Surface
+from tribo.accuracy import roundoff
+from tribo.layout.layout import lay_out
+from tribo.ledger.motion import Motion
+from tribo.ledger.samples import Samples
 
 # What a note says of works without a digit that is known.
 LOST = "below the rounding of the energies"
@@ -49,6 +53,21 @@ def test_works_of_ends_that_hardly_turn(method, kappa):
         bar = result.error_estimate[name]
         assert error <= bar
         assert bar <= 1e-7 * np.max(np.abs(found)) + 1e-14 * kappa
+
+
+def test_works_of_a_clamp_that_has_turned_often():
+    """sin x - x cos x of a twist of 30 rad: a rounding of x changes it by 30 sin 30 roundings.
+
+    The twist itself has 30 roundings.
+    """
+    layout = lay_out(Scene([Surface("s", initial=Initial(theta=30.0))], [], 1.0))
+    samples = Samples.at_zero(layout)
+    samples.y[0, 0] = 30.0
+    count = 1e-10
+    found = roundoff._of_ends(layout, Motion(layout, layout.together, samples), count)["wL"]
+    a = layout.together.asperites
+    lever = (a.kappa / a.bar_length * a.l2)[0]
+    assert found == pytest.approx(lever * count * 30.0**2 * abs(np.sin(30.0)), rel=1e-3)
 
 
 @pytest.mark.filterwarnings("ignore::tribo.TriboWarning")

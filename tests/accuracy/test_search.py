@@ -12,7 +12,7 @@ import tribo
 from support.hard_scenes import simulate
 from support.sliding import long_slide
 from tribo import atlas, paper
-from tribo.accuracy import choose_method, cost_model, levels, plan, search
+from tribo.accuracy import choose_method, comparison, cost_model, levels, plan, search
 from tribo.accuracy.comparison import (
     DIVERGED,
     LARGE_GROWTH,
@@ -80,6 +80,24 @@ def test_errors_are_not_taken_for_growth():
     found = measure_amplification(layout, lambda *given: other, setting, run)
     error = found * LARGE_PERTURBATIONS[0]
     assert LARGE_GROWTH * PERTURBATION < error < DIVERGED
+
+
+def test_errors_of_kinked_forces_are_estimated_as_rough(monkeypatch):
+    """Hertz's force has a kink where contact begins, at which steps lose their order."""
+    seen = []
+    estimate = comparison.estimate
+
+    def watched(finer, coarser, rough, *more):
+        seen.append(rough)
+        return estimate(finer, coarser, rough, *more)
+
+    monkeypatch.setattr(comparison, "estimate", watched)
+    upper = tribo.Surface("a", bob=(-1.5, 0.6), velocity=(0.5, 0.0))
+    pair = upper, tribo.Surface("b", facing="up")
+    for potential in (tribo.Gaussian(0.1, 0.5), tribo.Hertz(1.0, 1.0)):
+        scene = tribo.Scene(pair, potential, 5.0, output=FEW)
+        tribo.simulate(scene, method="dop853", accuracy=1e-6)
+    assert seen[0] is False and seen[-1] is True
 
 
 def test_too_many_equal_steps():

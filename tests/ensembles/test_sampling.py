@@ -47,6 +47,13 @@ def test_samplers():
     np.testing.assert_array_equal(strata, np.tile(np.arange(8.0)[:, None], (1, 3)))
 
 
+def test_a_sample_of_members_is_spread_over_all():
+    """Four of a hundred members are those at equal distances."""
+    scene = tribo.Scene([tribo.Surface("s")], [], 1.0)
+    variation = Variation(scene, {"s.theta": np.linspace(0.0, 1.0, 100)}, 0)
+    assert variation.sample(100, 4).numbers.tolist() == [0, 25, 50, 75]
+
+
 @pytest.mark.parametrize(
     ("settings", "words"),
     [

@@ -16,6 +16,8 @@ import tribo
 from support.command import main
 from tribo import InputError
 from tribo.export import to_lammps
+from tribo.export.lammps_pairs import STYLES
+from tribo.export.lepton import Formula
 from tribo.potentials import expression, from_points
 
 LMP = shutil.which("lmp", path=f"{Path(sys.executable).parent}{os.pathsep}{os.environ['PATH']}")
@@ -140,6 +142,30 @@ def test_formulas_have_the_energies(style, tmp_path):
     r = np.linspace(0.9, 2.6, 301)
     found = eval(text, functions | {"r": r, "qi": -0.7, "qj": 1.3})
     assert found == pytest.approx(potential.energy_between(r, -0.7, 1.3), rel=1e-14, abs=1e-16)
+
+
+def test_loads_press_surfaces_together(tmp_path):
+    """Down on a surface that faces down, and up on one that faces up."""
+    rigid = tribo.Asperite(kappa=math.inf)
+    upper = tribo.Surface("upper", asperite=rigid, drive=tribo.Free(load=0.3))
+    lower = replace(upper, name="lower", facing="up")
+    scene = tribo.Scene((upper, lower), LJ.with_cutoff(2.5), 1.0, output=tribo.Output(samples=3))
+    text = to_lammps(scene, tmp_path).run.read_text()
+    assert 'variable upper_drive_y equal "-0.3"' in text
+    assert 'variable lower_drive_y equal "0.3"' in text
+
+
+def test_coefficients_of_a_gaussian():
+    """LAMMPS writes its energy as -A exp(-B r^2)."""
+    potential = tribo.Gaussian(0.4, 0.5)
+    _, coefficients = STYLES[tribo.Gaussian]
+    a, b = coefficients(potential)
+    assert -a * math.exp(-b * 0.3**2) == pytest.approx(potential.energy(0.3))
+
+
+def test_comparisons_in_formulas_include_equality():
+    """step(x) of Lepton is 1 at x = 0, as r <= 2 is true at 2."""
+    assert (Formula("r") <= 2.0).text == "step(2.0-r)"
 
 
 def random_potential(random):

@@ -26,6 +26,7 @@ from tribo import (
     Surface,
     paper,
 )
+from tribo.accuracy.choose_method import check_damped_step
 from tribo.compiler.lanes import LANES
 from tribo.compiler.lanes_memory import with_spare_lanes
 from tribo.integrators.rotations import changes, set_rotations
@@ -34,6 +35,12 @@ from tribo.kernels.samples import STORED
 from tribo.layout.layout import lay_out
 from tribo.ledger.ledger import assemble
 from tribo.ledger.samples import Samples
+from tribo.loops.resolution import (
+    MOST_DAMPED_PHASE,
+    corrugation_frequency,
+    longest_damped_step,
+    spring_frequency,
+)
 
 KAPPA = 1e4
 
@@ -151,6 +158,42 @@ def test_steep_corrugation():
     frequency = 2.0 * np.pi / 0.01 * np.sqrt(20.0 / 3.0)
     # The longest step that divides the interval of samples, and turns by 0.1 rad at most.
     assert tribo.explain(scene).step == pytest.approx(10.0 / math.ceil(10.0 * frequency / 0.1))
+
+
+def test_the_frequency_of_two_bars_on_a_spring():
+    """sqrt(2 k / M), with which they swing against each other, is no more than the bound."""
+    row = {"shape": (2, 1), "spacing": (1.0, 0.0), "drive": "free"}
+    half = Asperite(kappa=np.inf, m1=0.5, m2=0.5)
+    scene = Scene([Surface("s", asperite=half, springs=Springs(3.0), **row)], [], 1.0)
+    exact = np.sqrt(2.0 * 3.0 / 1.0)
+    assert spring_frequency(lay_out(scene)) >= exact * (1.0 - 1e-12)
+
+
+def test_the_longest_step_of_a_damped_pendulum():
+    """Where gamma h / M times the fourth power of half the turn, w h / 2, reaches its bound."""
+    gamma = 0.5
+    surface = Surface("s", asperite=Asperite(kappa=KAPPA), drive="free", langevin=Langevin(gamma))
+    scene = Scene([surface], [], 1.0)
+    h = longest_damped_step(lay_out(scene))
+    phase = gamma / surface.each["mass"][0] * h * (0.5 * frequency_of(scene) * h) ** 4
+    assert phase == pytest.approx(MOST_DAMPED_PHASE, rel=1e-6)
+
+
+def test_the_frequency_of_a_pendulum_in_a_corrugation():
+    """The curvature A q^2 acts on the bob, which a push moves with 1 / M + l1^2 / I."""
+    surface = Surface("s", asperite=Asperite(kappa=1.0), drive="free")
+    field = Field(Corrugation(0.3, 1.0), on=["s"])
+    each = surface.each
+    mobility = 1.0 / each["mass"][0] + each["l1"][0] ** 2 / each["inertia"][0]
+    exact = np.sqrt(0.3 * (2.0 * np.pi) ** 2 * mobility)
+    layout = lay_out(Scene([surface], [], 1.0, fields=[field]))
+    assert corrugation_frequency(layout) == pytest.approx(exact)
+
+
+def test_steps_that_would_heat_are_refused():
+    """A step of one and a half times the longest one of damped pendulums."""
+    with pytest.raises(InputError, match="would heat them"):
+        check_damped_step(1.0, 1.5)
 
 
 @pytest.mark.parametrize(

@@ -202,3 +202,18 @@ def test_in_files_and_ensembles(tmp_path):
     ):
         scene.initial_value("warm.theta")
     assert is_random(scene)
+
+
+def test_a_block_starts_at_one_velocity_at_a_temperature():
+    """Bars that are joined have no velocities of their own."""
+    block = Surface(
+        "s",
+        asperite=Asperite(kappa=np.inf),
+        shape=(50, 1),
+        spacing=(1.0, 0.0),
+        drive=Free(load=0.1, block=True),
+        initial=Initial(temperature=0.2),
+    )
+    velocities = start(block)[0]["vy"]
+    assert np.ptp(velocities) == 0.0
+    assert velocities[0] != 0.0

@@ -126,6 +126,27 @@ def test_constant_schedule():
             np.testing.assert_allclose(one["tip"][name], other["tip"][name], atol=1e-12)
 
 
+@pytest.mark.parametrize(
+    ("drive", "name"),
+    [
+        (lambda value: tribo.Free(load=value, block=True), "vy_cm"),
+        (lambda value: tribo.Pushed(force=(value, 0.0), block=True), "vx_cm"),
+    ],
+    ids=["load", "push"],
+)
+def test_constant_schedule_of_a_block(drive, name):
+    """A load or a push of a whole block is divided among its asperites, as the number is."""
+    constant = [[0.0, 0.4], [5.0, 0.4]]
+    row = {"shape": (3, 1), "spacing": (1.0, 0.0)}
+    one, other = (
+        tribo.simulate(scene_of(drive(value), 2.0, samples=3, **row), accuracy=1e-9)
+        for value in (0.4, constant)
+    )
+    moved = one["tip"][name]
+    assert np.all(np.abs(moved[-1]) == pytest.approx(0.4 * 2.0 / (3.0 * MASS), rel=1e-9))
+    assert other["tip"][name] == pytest.approx(moved, rel=1e-9)
+
+
 def test_forces_at_kinks():
     """Series of forces have the value after a step that happens at a sample."""
     load = tribo.Schedule([[0, 0.1], [4, 0.3]], kind="steps")

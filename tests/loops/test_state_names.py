@@ -90,6 +90,18 @@ def test_from_any_drive_to_any_other():
     assert accepted > 20
 
 
+def test_a_moving_surface_cannot_be_held():
+    """A refusal gives the speed at which the state has bars that the new scene drives."""
+    rigid = Asperite(kappa=np.inf)
+    falling = tribo.Surface("s", asperite=rigid, drive=Free(load=0.1))
+    one = tribo.Scene([falling], [], 1.0, output=tribo.Output(samples=2))
+    state = tribo.simulate(one, accuracy=1e-8).state()
+    speed = abs(state.surfaces["s"]["vy"][0].item())
+    held = tribo.Scene([replace(falling, drive="bars")], [], 2.0)
+    with pytest.raises(InputError, match=f"move at {speed:.3g}"):
+        tribo.simulate(held, start=state)
+
+
 @pytest.mark.parametrize(("drive", "bars"), [("pushed", "free"), ("pulled and pressed", "clamped")])
 def test_a_scene_that_changed_goes_on_as_one(drive, bars):
     """What began at a state keeps its time, its stage and its clamps, in copies and pickles too."""

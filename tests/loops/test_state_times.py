@@ -59,6 +59,22 @@ def test_ramps_go_on_or_begin():
         assert result["tip"].f2_x[0, 0] == pytest.approx(force, abs=1e-12)
 
 
+def test_a_push_that_begins_with_the_run_grows_from_its_beginning():
+    """M v = r (t - t0)^2 / 2 along y, with t0 the time of the state."""
+    rigid = tribo.Asperite(kappa=np.inf)
+
+    def run(drive, end, **how):
+        tip = tribo.Surface("tip", asperite=rigid, drive=drive)
+        output = tribo.Output(samples=11)
+        return tribo.simulate(tribo.Scene([tip], [], end, output=output), accuracy=1e-9, **how)
+
+    state = run("free", 2.0).state()
+    later = run(Pushed(force=(0.0, 0.0), rate=(0.0, 0.3)), 5.0, start=state)
+    mass = later.scene.surfaces[0].each["mass"][0]
+    expected = 0.5 * 0.3 * 3.0**2 / mass
+    assert later["tip"].vy_cm[-1, 0] == pytest.approx(expected, rel=1e-7)
+
+
 def test_fields_in_another_order_stay_in_place():
     """Each is known again by what it is; a new one that moves begins at its place."""
     free = tribo.Free()

@@ -66,6 +66,14 @@ def test_curves_are_the_ledger(result):
     assert np.array_equal(phase.get_ydata(), upper.omega[:, 0])
 
 
+def test_a_swing_is_the_angle_to_the_bar():
+    """theta less phi, of a pendulum at a bar that turns freely."""
+    surface = tribo.Surface("s", bars="free", initial=tribo.Initial(phi=0.4, theta=0.5))
+    scene = tribo.Scene([surface], [], 0.1, output=tribo.Output(samples=2))
+    result = tribo.simulate(scene, accuracy=1e-6)
+    assert curves.swing_of(result, surface)[0, 0] == pytest.approx(0.1)
+
+
 def test_many_asperites_are_bands_and_points(many):
     """The band and the colours are those of the swings, and there is one mark for each asperite."""
     ax = many.plot.angles()
