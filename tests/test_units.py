@@ -12,20 +12,22 @@ from tribo import units
 
 def test_those_of_ase():
     """ASE's own units, whose constants are of CODATA 2014 and so differ by up to 6e-7."""
-    assert units.ASE.time == pytest.approx(1.0 / ase.units.second, rel=1e-6)
-    assert units.ASE.energy == pytest.approx(1.0 / ase.units.J, rel=1e-6)
+    assert units.ASE.time == pytest.approx(1.0 / ase.units.second, rel=1e-6, abs=0.0)
+    assert units.ASE.energy == pytest.approx(1.0 / ase.units.J, rel=1e-6, abs=0.0)
     assert units.ASE.kT(300.0) == pytest.approx(300.0 * ase.units.kB, rel=1e-6)
-    assert units.ASE.force == pytest.approx(ase.units.m / ase.units.J, rel=1e-6)
+    assert units.ASE.force == pytest.approx(ase.units.m / ase.units.J, rel=1e-6, abs=0.0)
 
 
 def test_closed_forms():
     """One ag nm^2/ns^2 is 1e-21 J; argon's reduced time is sigma sqrt(m / epsilon)."""
     nano = units.AG_NM_NS
     expected = {"velocity": 1.0, "energy": 1e-21, "force": 1e-12, "stiffness": 1e-3}
-    assert {name: getattr(nano, name) for name in expected} == pytest.approx(expected)
-    assert nano.damping == pytest.approx(1e-12)
+    found = {name: getattr(nano, name) for name in expected}
+    assert found == pytest.approx(expected, rel=1e-12, abs=0.0)
+    assert nano.damping == pytest.approx(1e-12, rel=1e-12, abs=0.0)
     argon = units.from_energy(3.4e-10, 39.95 * constants.atomic_mass, 119.8 * constants.k)
-    assert argon.time == pytest.approx(3.4e-10 * math.sqrt(argon.mass / argon.energy))
+    time = 3.4e-10 * math.sqrt(argon.mass / argon.energy)
+    assert argon.time == pytest.approx(time, rel=1e-12, abs=0.0)
     assert argon.kT(119.8) == pytest.approx(1.0)
 
 
@@ -52,5 +54,6 @@ def test_a_scene_in_two_systems():
         scene = tribo.Scene((upper, lower), tribo.Coulomb(strength), 40e-9 / system.time)
         return tribo.simulate(scene)["upper"].w1[-1, 0] * system.energy
 
-    assert joules(units.AG_NM_NS) == pytest.approx(-0.345151e-21, rel=1e-5)
-    assert joules(units.ASE) == pytest.approx(joules(units.AG_NM_NS), rel=1e-6)
+    nano = joules(units.AG_NM_NS)
+    assert nano == pytest.approx(-0.345151e-21, rel=1e-5, abs=0.0)
+    assert joules(units.ASE) == pytest.approx(nano, rel=1e-6, abs=0.0)

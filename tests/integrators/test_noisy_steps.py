@@ -9,7 +9,10 @@ import numpy as np
 import pytest
 
 import tribo
+from tribo.layout.layout import lay_out
 from tribo.ledger.guards import missed_energy
+from tribo.ledger.kick_places import at_next_kicks
+from tribo.ledger.samples import Samples
 from tribo.potentials import from_points
 
 T = 0.1
@@ -306,6 +309,20 @@ def test_forces_of_runs_with_noise_are_those_of_the_kicks(kappa):
         kicks = getattr(found, f"f1_{axis}")[:-1, 0] + getattr(found, f"f2_{axis}")[:-1, 0]
         reservoir = getattr(found, f"f_T_{axis}")[1:, 0]
         assert np.max(np.abs(change - kicks - reservoir)) < 1e-12 * np.max(np.abs(change)) + 1e-12
+
+
+def test_the_kick_after_a_sample_is_half_a_step_later():
+    """A kink of the load at 0.55 ends the first interval, which has six steps of up to 0.1."""
+    load = [[0.0, 0.1], [0.55, 0.1], [2.0, 0.3]]
+    tip = tribo.Surface(
+        "tip",
+        asperite=tribo.Asperite(kappa=np.inf),
+        drive=tribo.Free(load=load),
+        langevin=tribo.Langevin(gamma=1.0, temperature=T),
+    )
+    layout = lay_out(tribo.Scene([tip], [], 2.0, output=tribo.Output(samples=3)))
+    kicks = at_next_kicks(layout, Samples.at_zero(layout), 0.1)
+    assert kicks.t[0] == pytest.approx(0.5 * 0.55 / 6.0)
 
 
 @pytest.mark.parametrize("on", ["bar", "swing"])

@@ -15,6 +15,7 @@ import tribo
 from support.random_scenes import random_scene
 from support.scene_tables import scene_from
 from tribo import explanation
+from tribo.layout.contacts import are_coupled
 from tribo.layout.layout import Layout, lay_out
 from tribo.threads.kernel_model import SCRATCH
 from tribo.threads.writable_memory import own_model
@@ -249,3 +250,12 @@ def test_degrees_of_freedom(seed):
         held = layout.coordinates - sum(counted(scene).values()) - joined
         rigid = [s.count for s in scene.surfaces if np.all(np.isinf(s.asperite.kappa))]
         assert held == sum(rigid), names
+
+
+def test_many_unequal_charges_are_coupled():
+    """Rows with hundreds of charges each are not tried pair by pair, and keep their contact."""
+    charges = np.linspace(0.5, 1.5, 320)
+    row = {"shape": (320, 1), "spacing": (1.0, 0.0), "asperite": tribo.Asperite(charge=charges)}
+    surfaces = tribo.Surface("a", bob=(0.0, 1.0), **row), tribo.Surface("b", facing="up", **row)
+    scene = tribo.Scene(surfaces, tribo.Coulomb(1.0), 1.0)
+    assert are_coupled(scene, scene.interactions[0], (0, 1))
