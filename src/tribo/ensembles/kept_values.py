@@ -300,7 +300,7 @@ def _shape(name: str, reports: Mapping[str, Reported], scene: Scene) -> tuple[in
     if surface not in reports:
         return None
     if kind in reports[surface].asperites:
-        return (next(each.count for each in scene.surfaces if each.name == surface),)
+        return (scene.surfaces[scene.index_of(surface)].count,)
     return () if kind in reports[surface].blocks else None
 
 

@@ -139,7 +139,6 @@ def fields_on_surfaces(
 
     There are so many `accounts` before these; with None, fields have none.
     """
-    names = [surface.name for surface in scene.surfaces]
     velocity = np.array(scene.surfaces[0].velocity)
     fields = []
     count = accounts or 0
@@ -147,7 +146,7 @@ def fields_on_surfaces(
     rows = {one.field: row for row, one in each if one.field >= 0}
     for number, item in enumerate(scene.fields):
         drift = np.array(item.velocity)
-        on = np.array([names.index(name) for name in item.on])
+        on = np.array(list(map(scene.index_of, item.on)))
         changes = bool(np.any(drift != 0.0)) or item.changes
         moves = accounts is not None and changes
         field = FieldOn(

@@ -422,7 +422,7 @@ def contact_distance_of(scene: Scene, surface: Surface) -> float:
 
 
 def _repulsions_on(scene: Scene, surface: Surface) -> list[Reach]:
-    index = [each.name for each in scene.surfaces].index(surface.name)
+    index = scene.index_of(surface.name)
     pairs = _reaches(scene, repelling=True).items()
     return [reach for pair, own in pairs if index in pair for reach in own]
 
@@ -432,7 +432,7 @@ def has_contact_distance(scene: Scene, surface: Surface) -> bool:
 
     They have none where more unlike charges than `MOST_CHARGES` make unlike distances.
     """
-    index = [each.name for each in scene.surfaces].index(surface.name)
+    index = scene.index_of(surface.name)
     mine = [i for i in scene.interactions if any(index in pair for pair in _pairs_of_two(scene, i))]
     if not mine or not all(map(has_reach, mine)):
         return False

@@ -17,7 +17,6 @@ from tribo.live_pages.inputs import inputs_of
 from tribo.loops.pair_records import is_pair
 from tribo.model.parameters import INTERACTION, value_of, with_values
 from tribo.model.scene import Scene
-from tribo.model.surface import Surface
 from tribo.model.tables import field_names
 from tribo.potentials.by_key import values_by_key
 from tribo.validation import InputError
@@ -98,8 +97,7 @@ def present_number(scene: Scene, layout: Layout, key: str) -> float | None:
     value = value_of(scene, key)
     name, _, rest = key.partition(".")
     if value is None and rest in ("swing", "theta", "omega"):  # not given
-        index = next(k for k, surface in enumerate(scene.surfaces) if surface.name == name)
-        surface: Surface = scene.surfaces[index]
+        surface = scene.surfaces[scene.index_of(name)]
         place = scene.parts[name].start + layout.coordinates * (rest == "omega")
         value = float(layout.start[place]) + surface.rest * (rest == "theta")
     if isinstance(value, bool) or not isinstance(value, (int, float)) or not math.isfinite(value):

@@ -87,7 +87,7 @@ def is_parameter(scene: Scene, key: str) -> bool:
         return component_of(point.present, point.place) is not None
     name, _, parameter = key.rpartition(".")
     surface, _, part = name.partition(".")
-    found = next((s for s in scene.surfaces if s.name == surface), None)
+    found = scene.surface_named(surface)
     if found is None or part not in parts_of(found):
         return False
     without_load = key.endswith(".drive.load") and found.drive.load is None
@@ -167,7 +167,7 @@ def _whole(scene: Scene, values: Mapping[str, Any]) -> dict[str, Any]:
             continue
         one = component(key)
         name, _, of = (key if one is None else one[0]).partition(".")
-        surface = next((each for each in scene.surfaces if each.name == name), None)
+        surface = scene.surface_named(name)
         if one is None or surface is None:
             found[key] = value
             continue
@@ -193,7 +193,7 @@ class _Point(NamedTuple):
 def _point(scene: Scene, key: str) -> _Point | None:
     """The number of a schedule that a key names; None of any other key."""
     name, _, inner = key.partition(".")
-    surface = next((each for each in scene.surfaces if each.name == name), None)
+    surface = scene.surface_named(name)
     for part in () if surface is None else parts_of(surface):
         whole, _, rest = inner.removeprefix(f"{part}.").partition(".")
         if not (inner.startswith(f"{part}.") and rest):
@@ -251,7 +251,8 @@ def value_of(scene: Scene, key: str) -> object:
     if (one := component(key)) is not None:
         whole, place = one
         name, _, of = whole.partition(".")
-        return next((getattr(s, of)[place] for s in scene.surfaces if s.name == name), None)
+        surface = scene.surface_named(name)
+        return None if surface is None else getattr(surface, of)[place]
     part, _, name = key.rpartition(".")
     table = scene.to_table()
     if part in (INTERACTION, FIELD):

@@ -233,9 +233,17 @@ class Scene(ComparedByValue):
         """Indices of the pairs of surfaces between which an interaction acts."""
         if interaction.between is None:
             return list(itertools.combinations(range(len(self.surfaces)), 2))
-        names = [s.name for s in self.surfaces]
-        one, other = sorted(names.index(name) for name in interaction.between)
+        one, other = sorted(map(self.index_of, interaction.between))
         return [(one, other)]
+
+    def index_of(self, name: str) -> int:
+        """The index of a surface.  Raises InputError if there is no such surface."""
+        names = [surface.name for surface in self.surfaces]
+        return names.index(check.one_of("surface", name, names))
+
+    def surface_named(self, name: str) -> Surface | None:
+        """The surface of a name; None if there is no such surface."""
+        return next((surface for surface in self.surfaces if surface.name == name), None)
 
     def initial_value(self, key: object) -> tuple[Surface, str]:
         """The surface and the initial value of a key such as "upper.theta".
@@ -243,7 +251,7 @@ class Scene(ComparedByValue):
         Raises InputError if there is no such surface or quantity, or it is held.
         """
         name, _, quantity = str(key).rpartition(".")
-        surface = next((s for s in self.surfaces if s.name == name), None)
+        surface = self.surface_named(name)
         if surface is None or quantity not in UNITS | DISPLACEMENTS:
             known = ", ".join(UNITS | DISPLACEMENTS)
             problem = f'must name a surface and one of {known}, as "upper.theta"'

@@ -59,10 +59,12 @@ def animate(
     integer("frames", frames, 2, 100_000)
     integer("rate", rate, 1, 1000)
     integer("width", width, 100, 10_000)
+    name = result.scene.surfaces[0].name if surface is None else surface
+    result.scene.index_of(name)
     checked_target("path", path)
     samples = np.unique(np.linspace(0, len(result.t) - 1, frames).round().astype(int))
     with style(), tempfile.TemporaryDirectory() as folder:
-        film = Film(result, surface or result.scene.surfaces[0].name, width, bath)
+        film = Film(result, name, width, bath)
         counted = tqdm(samples.tolist(), disable=None, leave=False, unit="picture")
         written = Path(folder) / f"film{kind}"
         if kind == ".gif":

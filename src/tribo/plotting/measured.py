@@ -16,7 +16,7 @@ from tribo.results.contacts import contacts
 from tribo.results.force_averages import friction_force
 from tribo.results.friction_loop import loop
 from tribo.results.maps import friction_map
-from tribo.results.run_result import RunResult, index_of
+from tribo.results.run_result import RunResult
 from tribo.validation import InputError, one_of
 
 if TYPE_CHECKING:
@@ -89,7 +89,7 @@ def draw_grid(
     """Draw a quantity of every asperite of a grid in colour, over x and z."""
     sample = -1 if t is None else nearest_sample(result, t)
     table = result[name]
-    if not _is_grid(result.scene.surfaces[index_of(result, name)]):
+    if not _is_grid(result.scene.surfaces[result.scene.index_of(name)]):
         raise InputError("surface", f'must be a grid, got "{name}"')
     if quantity == "height":  # which is no series
         heights = _resting_bobs(result, name)[:, 1]
@@ -116,7 +116,7 @@ def _draw_colours(
 
     Cells of a grid meet; elsewhere discs do not overlap.  Of signed values, zero is white.
     """
-    surface = result.scene.surfaces[index_of(result, name)]
+    surface = result.scene.surfaces[result.scene.index_of(name)]
     places = _resting_bobs(result, name)[:, [0, 2]]
     look: dict[str, Any] = {"cmap": "viridis"}
     if signed:
@@ -167,5 +167,5 @@ def _is_grid(surface: Surface) -> bool:
 
 def _resting_bobs(result: RunResult, name: str) -> np.ndarray:
     """(n, 3) places of the resting bobs of a surface, as in the series of the result."""
-    index = index_of(result, name)
+    index = result.scene.index_of(name)
     return result.scene.surfaces[index].resting_bobs(seed=[result.scene.seed, index, 0])

@@ -117,7 +117,8 @@ class Plots:
         is_new = ax is None
         with drawing_on(ax, WIDE, ASPECT * WIDE) as ax:
             lines = draw_works(ax, self._result, works, span)
-            (number,) = (s.count for s in self._result.scene.surfaces if s.name == name)
+            scene = self._result.scene
+            number = scene.surfaces[scene.index_of(name)].count
             of_one = "" if asperite is None or number == 1 else f", asperite {asperite}"
             ax.set_ylabel(f"work on {name}{of_one}")
             words = {WORKS[work].meaning: line for work, line in lines.items() if work in WORKS}
@@ -244,8 +245,8 @@ class Plots:
         Raises
         ------
         InputError
-            A time is not in the run, the oscillators are not recorded, or a calculator of the scene
-            fails.
+            There is no such surface, a time is not in the run, the oscillators are not recorded, or
+            a calculator of the scene fails.
         """
         return snapshots.snapshots(self._result, times, forces, bath, ax)
 
@@ -352,8 +353,8 @@ class Plots:
         return figure
 
     def _surface(self, name: str | None = None) -> str:
-        names = [surface.name for surface in self._result.scene.surfaces]
-        return names[0] if name is None else one_of("surface", name, names)
+        scene = self._result.scene
+        return scene.surfaces[0 if name is None else scene.index_of(name)].name
 
     def _width(self, index: int) -> float:
         """The width of a surface's lines; with two widths, equal curves are both seen [points]."""

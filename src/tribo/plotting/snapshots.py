@@ -71,6 +71,8 @@ def snapshots(
     ax: Axes | None,
 ) -> Axes:
     """Draw all asperites at the samples nearest to some times."""
+    if forces is not None:
+        result.scene.index_of(forces[0])
     times = encounter_times(result, 4) if times is None else times
     samples = [nearest_sample(result, t) for t in times]
     poses = [pose(result, float(result.t[k]), bath, wrap=True) for k in samples]

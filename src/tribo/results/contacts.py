@@ -10,7 +10,7 @@ from tribo.kernels.records import CHARGE
 from tribo.layout.layout import Layout, lay_out
 from tribo.ledger.contact_pairs import ContactPairs, contact_pairs
 from tribo.ledger.separation import MOST_CHARGES, has_contact_distance
-from tribo.results.run_result import RunResult, index_of, of_all
+from tribo.results.run_result import RunResult, of_all
 from tribo.validation import InputError, integer
 
 if TYPE_CHECKING:
@@ -46,7 +46,7 @@ def contacts(result: RunResult, surface: str, bins: int = 20) -> xarray.Dataset:
     """
     import xarray
 
-    index = index_of(result, surface)
+    index = result.scene.index_of(surface)
     integer("bins", bins, 1, 100_000)
     if not has_contact_distance(result.scene, result.scene.surfaces[index]):
         raise InputError(

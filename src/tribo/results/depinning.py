@@ -62,9 +62,10 @@ def depinning(result: RunResult, surface: str, distance: float | None = None) ->
     Raises
     ------
     InputError
-        If another drive holds the surface, no bar moves so far, or the distance is missing.
+        If there is no such surface, another drive holds it, no bar moves so far, or the distance
+        is missing.
     """
-    index = [each.name for each in result.scene.surfaces].index(surface)
+    index = result.scene.index_of(surface)
     periods, ground = _ground(result, surface)
     if distance is None:
         if len(set(periods)) != 1:

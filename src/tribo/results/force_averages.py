@@ -47,12 +47,13 @@ def friction_force(
     Raises
     ------
     InputError
-        If the forces were not recorded, no field acts on the surface, or there are fewer than
-        two samples.
+        If there is no such surface, the forces were not recorded, no field acts on the surface, or
+        there are fewer than two samples.
     """
     name = "friction_force"
     if part is not None:
-        has_field = any(surface in item.on for item in result.scene.fields)
+        scene = result.scene
+        has_field = scene.has_field(scene.surfaces[scene.index_of(surface)])
         if choice("part", part, PARTS) == "field" and not has_field:
             raise InputError("part", f'must be "contact": no field acts on "{surface}"')
         name = f"{part}_force" if has_field else name
@@ -96,7 +97,7 @@ def friction_coefficient(
         is not negative.
     """
     found = friction_force(result, surface, after)
-    part = next(each for each in result.scene.surfaces if each.name == surface)
+    part = result.scene.surfaces[result.scene.index_of(surface)]
     if changes(part.drive.load):
         raise InputError(
             f"{surface}.drive.load",
@@ -119,6 +120,7 @@ def force_average(
     It is `per` another force, as a load.
     """
     surface, _, name = full.rpartition(".")
+    result.scene.index_of(surface)
     series = result[surface]
     if name not in series and not result.ledger.kept:
         if "forces" in result.scene.output.series:
@@ -154,10 +156,10 @@ def _sampling_note(result: RunResult, surface: str, found: Average, end: float, 
     Samples at one phase of a periodic motion have a mean of their own.  The impulse of the contact,
     which is integrated, has none: it does the friction work at the surface's initial velocity.
     """
-    part = next(each for each in result.scene.surfaces if each.name == surface)
+    part = result.scene.surfaces[result.scene.index_of(surface)]
     series = result[surface]
     speed, along_y = part.velocity
-    in_field = any(surface in item.on for item in result.scene.fields)
+    in_field = result.scene.has_field(part)
     if in_field or speed == 0.0 or along_y != 0.0 or "friction_work" not in series:
         return ""
     first, last = np.searchsorted(result.t, [found.after, end])
@@ -239,9 +241,10 @@ def time_without_contact(result: RunResult, surface: str, after: float | None = 
     Raises
     ------
     InputError
-        If the contact was not recorded, or has no range, as that of Coulomb, or there are
-        fewer than two samples.
+        If there is no such surface, the contact was not recorded, or has no range, as that of
+        Coulomb, or there are fewer than two samples.
     """
+    result.scene.index_of(surface)
     series = result[surface]
     if "time_without_contact" not in series and not result.ledger.kept:
         raise InputError(
@@ -286,7 +289,7 @@ def load_of(surface: Surface) -> float:
 
 def _drag_note(result: RunResult, surface: str, pull: float) -> str:
     """A note where the drag of a reservoir on the bars is a large part of the pull."""
-    part = next(each for each in result.scene.surfaces if each.name == surface)
+    part = result.scene.surfaces[result.scene.index_of(surface)]
     reservoir = part.reservoir("bar")
     series = result[surface]
     if reservoir is None or "x_bar" not in series:

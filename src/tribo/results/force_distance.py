@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from tribo.results.run_result import RunResult, index_of
+from tribo.results.run_result import RunResult
 from tribo.results.stage import legs_of
 from tribo.validation import InputError, number
 
@@ -45,7 +45,7 @@ def force_distance(result: RunResult, surface: str, after: float | None = None) 
     """
     import xarray
 
-    index = index_of(result, surface)
+    index = result.scene.index_of(surface)
     scene = result.scene
     begin = scene.output.run_in if after is None else number("after", after, unit="time")
     others = [each.name for each in scene.surfaces if each.name != surface]

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from tribo.results.averages import Average, average_from
-from tribo.results.run_result import RunResult, index_of
+from tribo.results.run_result import RunResult
 from tribo.validation import InputError
 
 if TYPE_CHECKING:
@@ -47,7 +47,7 @@ def friction_map(
     """
     import xarray
 
-    index = index_of(result, surface)
+    index = result.scene.index_of(surface)
     series = result[surface]
     if "f1_x" not in series or series["f1_x"].shape[0] != result.t.size:
         raise InputError(

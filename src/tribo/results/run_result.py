@@ -13,7 +13,7 @@ from tribo.ledger.quantity import Table
 from tribo.loops.saved_state import State
 from tribo.model.identity import Identity
 from tribo.model.scene import Scene
-from tribo.validation import InputError, one_of
+from tribo.validation import InputError
 
 T = TypeVar("T")
 
@@ -38,12 +38,6 @@ class _ErrorEstimates(dict[str, float | None]):
 def itself(value: T) -> T:
     """A value that is known already; a partial of it can be pickled."""
     return value
-
-
-def index_of(result: "RunResult", name: str) -> int:
-    """The index of a surface of the scene.  Raises InputError if there is no such surface."""
-    names = [surface.name for surface in result.scene.surfaces]
-    return names.index(one_of("surface", name, names))
 
 
 def of_all(result: "RunResult", name: str) -> np.ndarray:
@@ -203,8 +197,10 @@ class RunResult:
         Raises
         ------
         InputError
-            They were not recorded, or the surface has no such oscillators.
+            There is no such surface, they were not recorded, or the surface has no such
+            oscillators.
         """
+        self.scene.index_of(surface)
         found = self.ledger.oscillators
         if surface not in found:
             if "oscillators" in self.scene.output.series:

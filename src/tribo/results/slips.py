@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, NamedTuple
 import numpy as np
 
 from tribo.results.averages import CONFIDENCE, SampleMean, sample_mean
-from tribo.results.run_result import RunResult, index_of
+from tribo.results.run_result import RunResult
 from tribo.results.stage import (
     Leg,
     legs_of,
@@ -173,7 +173,7 @@ class _Pulled(NamedTuple):
 
 def _pulled(result: RunResult, surface: str, asperite: int | None) -> _Pulled:
     """The springs whose slips are found.  Raises InputError."""
-    part = result.scene.surfaces[index_of(result, surface)]
+    part = result.scene.surfaces[result.scene.index_of(surface)]
     stage = part.drive.stage
     if stage is None or not 0.0 < stiffness_of(part) < np.inf:
         raise InputError(

@@ -11,7 +11,7 @@ import numpy as np
 from tribo.layout.elastic_body import shares_of_edges
 from tribo.layout.legs import BEGUN
 from tribo.model.surface import Surface
-from tribo.results.run_result import RunResult, index_of
+from tribo.results.run_result import RunResult
 from tribo.validation import InputError, vector
 
 if TYPE_CHECKING:
@@ -39,7 +39,7 @@ def pull_of(result: RunResult, name: str, position: object = None) -> Pull:
 
     The force is that of the springs to the stage where no forces were recorded.  Raises InputError.
     """
-    index = index_of(result, name)
+    index = result.scene.index_of(name)
     surface = result.scene.surfaces[index]
     stiffness = stiffness_of(surface)
     stage = _place_of_stage(result, index) if stiffness > 0.0 else None

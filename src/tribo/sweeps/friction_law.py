@@ -23,7 +23,6 @@ from tribo.validation import (
     is_list,
     must_be,
     number,
-    one_of,
 )
 
 if TYPE_CHECKING:
@@ -170,9 +169,8 @@ def _law(
 
 def _surface_of(scene: Scene, name: str | None) -> Surface:
     """The surface of which the friction is found.  Raises InputError."""
-    surfaces = {each.name: each for each in scene.surfaces}
     if name is not None:
-        return surfaces[one_of("surface", name, list(surfaces))]
+        return scene.surfaces[scene.index_of(name)]
     for wanted in (
         lambda each: each.drive.stage is not None,
         lambda each: bool(each.drive.load),
