@@ -53,3 +53,52 @@ def test_an_unknown_surface(result, evaluation, name, tmp_path, monkeypatch):
     with pytest.raises(tribo.InputError, match=r"must be one of upper, lower, got '(nope)?'"):
         OF_A_SURFACE[evaluation](result, name)
     assert not list(tmp_path.iterdir())
+
+
+FROM_A_TIME = {
+    "time_without_contact": lambda result, after: result.time_without_contact("upper", after),
+    "loop": lambda result, after: result.loop("upper", after),
+    "slips": lambda result, after: result.slips("upper", after=after),
+    "force_distance": lambda result, after: result.force_distance("upper", after),
+}
+FROM_A_TIME_OR_AUTO = {
+    "friction_force": lambda result, after: result.friction_force("upper", after),
+    "friction_coefficient": lambda result, after: result.friction_coefficient("upper", after),
+    "pull_force": lambda result, after: result.pull_force("upper", after),
+    "friction_map": lambda result, after: result.friction_map("upper", after),
+    "velocity_profile": lambda result, after: result.velocity_profile(after),
+    "plot.friction_force": lambda result, after: result.plot.friction_force("upper", after),
+}
+WRONG_TIMES = {
+    -1.0: "must not be negative",
+    5.0: "must be before the end of the run, t = 5, got 5",
+    7.0: "must be before the end of the run, t = 5, got 7",
+    float("nan"): "must be a finite number",
+    float("inf"): "must be a finite number",
+    True: "must be a number",
+    (1.0, 2.0): "must be a number",
+    "late": "must be a",
+}
+
+
+@pytest.mark.parametrize("evaluation", [*FROM_A_TIME, *FROM_A_TIME_OR_AUTO])
+@pytest.mark.parametrize("after", WRONG_TIMES, ids=repr)
+def test_a_wrong_beginning_of_an_average(result, evaluation, after):
+    """The message names `after`, and not a consequence of it."""
+    evaluate = (FROM_A_TIME | FROM_A_TIME_OR_AUTO)[evaluation]
+    with pytest.raises(tribo.InputError, match=f"^after: {WRONG_TIMES[after]}"):
+        evaluate(result, after)
+
+
+@pytest.mark.parametrize("evaluation", FROM_A_TIME)
+def test_no_automatic_run_in_of_what_is_no_average(result, evaluation):
+    """Loops, slips, curves and shares of time begin at a time that is given."""
+    with pytest.raises(tribo.InputError, match=r"^after: must be a number \[time\], got 'auto'"):
+        FROM_A_TIME[evaluation](result, "auto")
+
+
+@pytest.mark.parametrize("evaluation", ["friction_force", "pull_force", "velocity_profile"])
+def test_averages_begin_at_the_end_of_the_run_in(result, evaluation):
+    """ "auto" and every time before the end are valid."""
+    for after in (None, "auto", 0, 0.0, 4.5):
+        FROM_A_TIME_OR_AUTO[evaluation](result, after)

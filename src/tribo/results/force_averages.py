@@ -10,7 +10,7 @@ from tribo.model.number import changes, largest
 from tribo.model.scene import Scene
 from tribo.model.surface import Surface
 from tribo.results.averages import Average, average_from
-from tribo.results.run_result import RunResult
+from tribo.results.run_result import RunResult, begin_of, begin_or_auto, stop_of
 from tribo.validation import InputError, choice
 
 PARTS = ("contact", "field")
@@ -47,8 +47,9 @@ def friction_force(
     Raises
     ------
     InputError
-        If there is no such surface, the forces were not recorded, no field acts on the surface, or
-        there are fewer than two samples.
+        If there is no such surface, `after` is neither "auto" nor a time of the run before its end,
+        the forces were not recorded, no field acts on the surface, or there are fewer than two
+        samples.
     """
     name = "friction_force"
     if part is not None:
@@ -121,13 +122,14 @@ def force_average(
     """
     surface, _, name = full.rpartition(".")
     result.scene.index_of(surface)
+    begin = begin_or_auto(result, after)
     series = result[surface]
     if name not in series and not result.ledger.kept:
         if "forces" in result.scene.output.series:
             ledger = result.scene.output.ledger
             raise InputError("output.ledger", f'must be "asperites", got "{ledger}": f2 has noise')
         raise InputError("output.series", 'does not contain "forces"; add it, and run again')
-    stop = _stop_of(result)
+    stop = stop_of(result)
     t, values = _up_to_stop(result, series, name)
     values = values / per
     # Means over the intervals that end at the samples have no first value.
@@ -136,7 +138,6 @@ def force_average(
         finite = np.isfinite(values)
         t = t[finite]
         values = values[finite]
-    begin = result.scene.output.run_in if after is None else after
     try:
         found = average_from(t, values, begin, of_intervals)
     except InputError as error:
@@ -200,13 +201,6 @@ def _up_to_stop(result: RunResult, series: Series, name: str) -> tuple[np.ndarra
     return result.t[:end], np.asarray(series[name][:end])
 
 
-def _stop_of(result: RunResult) -> str:
-    """When a run stopped before its end, and why; empty of one that completed."""
-    if result.status == Status.COMPLETED:
-        return ""
-    return f"the run stopped at t = {result.t[-1]:g}, {result.status}"
-
-
 def recorded_averages(result: RunResult) -> dict[str, dict[str, Average]]:
     """The averages of friction forces and of drives by surface, where they are recorded."""
     later = np.count_nonzero(result.t >= result.scene.output.run_in)
@@ -241,10 +235,11 @@ def time_without_contact(result: RunResult, surface: str, after: float | None = 
     Raises
     ------
     InputError
-        If there is no such surface, the contact was not recorded, or has no range, as that of
-        Coulomb, or there are fewer than two samples.
+        If there is no such surface, `after` is no time of the run before its end, the contact was
+        not recorded, or has no range, as that of Coulomb, or there are fewer than two samples.
     """
     result.scene.index_of(surface)
+    begin = begin_of(result, after)
     series = result[surface]
     if "time_without_contact" not in series and not result.ledger.kept:
         raise InputError(
@@ -252,11 +247,11 @@ def time_without_contact(result: RunResult, surface: str, after: float | None = 
             'does not contain "forces", or the contact has no range: time_without_contact is '
             "not recorded",
         )
-    later = result.t >= (result.scene.output.run_in if after is None else after)
+    later = result.t >= begin
     t = result.t[later]
     without = series["time_without_contact"][later]
     if t.size < 2:
-        stop = _stop_of(result)
+        stop = stop_of(result)
         problem = f"leaves {t.size} samples, and a share of time takes two"
         raise InputError("after", "; ".join(filter(None, [problem, stop])))
     return float(np.sum(0.5 * (without[1:] + without[:-1]) * np.diff(t)) / (t[-1] - t[0]))

@@ -7,9 +7,9 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from tribo.results.run_result import RunResult
+from tribo.results.run_result import RunResult, begin_of
 from tribo.results.stage import legs_of
-from tribo.validation import InputError, number
+from tribo.validation import InputError
 
 if TYPE_CHECKING:
     import xarray
@@ -40,14 +40,14 @@ def force_distance(result: RunResult, surface: str, after: float | None = None) 
     Raises
     ------
     InputError
-        If there is no other surface, the distance does not change, or forces or places were
-        not recorded.
+        If there is no such surface or no other one, `after` is no time of the run before its end,
+        the distance does not change, or forces or places were not recorded.
     """
     import xarray
 
     index = result.scene.index_of(surface)
     scene = result.scene
-    begin = scene.output.run_in if after is None else number("after", after, unit="time")
+    begin = begin_of(result, after)
     others = [each.name for each in scene.surfaces if each.name != surface]
     if not others:
         raise InputError("surface", "must have another surface to approach; there is none")

@@ -7,9 +7,8 @@ from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
-from tribo.kernels.status import Status
 from tribo.results.averages import SampleMean, sample_mean
-from tribo.results.run_result import RunResult
+from tribo.results.run_result import RunResult, begin_of, stop_of
 from tribo.results.stage import Leg, Pull, legs_of, pull_of, table_of
 from tribo.validation import InputError, number
 
@@ -103,10 +102,10 @@ def loop(
     Raises
     ------
     InputError
-        If the position does not turn back, forces or places were not recorded, or the drive has
-        no position.
+        If there is no such surface, `after` is no time of the run before its end, the position does
+        not turn back, forces or places were not recorded, or the drive has no position.
     """
-    begin = result.scene.output.run_in if after is None else number("after", after, unit="time")
+    begin = begin_of(result, after)
     margin = number("margin", margin)
     if not 0.0 <= margin <= 0.45:
         raise InputError("margin", f"must be from 0 to 0.45, got {margin:g}")
@@ -157,9 +156,7 @@ def _cycles(
 
 def _note(result: RunResult, cycles: xarray.Dataset) -> str:
     """What to know of the loop: that it stopped, or that areas depend on the samples."""
-    notes = []
-    if result.status != Status.COMPLETED:
-        notes.append(f"the run stopped at t = {result.t[-1]:g}, {result.status}")
+    notes = [stop_of(result)]
     area = cycles["area"].values
     gap = np.max(np.abs(area - cycles["dissipation"].values))
     if gap > COARSE * np.max(np.abs(area)):
@@ -167,7 +164,7 @@ def _note(result: RunResult, cycles: xarray.Dataset) -> str:
             f"areas differ by up to {gap:.2g} from the work of the stage, which is exact: samples "
             "are too far apart for the slips; record more"
         )
-    return "; ".join(notes)
+    return "; ".join(filter(None, notes))
 
 
 def _work_of_stage(result: RunResult, surface: str) -> np.ndarray | None:

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from tribo.results.averages import Average, average_from
-from tribo.results.run_result import RunResult
+from tribo.results.run_result import RunResult, begin_or_auto
 from tribo.validation import InputError
 
 if TYPE_CHECKING:
@@ -42,8 +42,8 @@ def friction_map(
     Raises
     ------
     InputError
-        If there is no such surface, the forces of single asperites were not recorded, or there
-        are fewer than two samples.
+        If there is no such surface, the forces of single asperites were not recorded, `after` is
+        neither "auto" nor a time of the run before its end, or there are fewer than two samples.
     """
     import xarray
 
@@ -59,7 +59,7 @@ def friction_map(
         friction = friction + series["f_field_x"]
     part = result.scene.surfaces[index]
     normal = part.facing_sign * series["f1_y"]
-    begin = result.scene.output.run_in if after is None else after
+    begin = begin_or_auto(result, after)
     variables = {}
     for name, values in (("friction", friction), ("normal", normal)):
         found = [_average(result.t, own, begin) for own in values.T]
@@ -96,11 +96,12 @@ def velocity_profile(result: RunResult, after: float | str | None = None) -> xar
     Raises
     ------
     InputError
-        If the velocities of single asperites were not kept, or there are fewer than two samples.
+        If the velocities of single asperites were not kept, `after` is neither "auto" nor a time of
+        the run before its end, or there are fewer than two samples.
     """
     import xarray
 
-    begin = result.scene.output.run_in if after is None else after
+    begin = begin_or_auto(result, after)
     velocities = {}
     heights = {}
     for surface in result.scene.surfaces:

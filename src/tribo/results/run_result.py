@@ -13,7 +13,7 @@ from tribo.ledger.quantity import Table
 from tribo.loops.saved_state import State
 from tribo.model.identity import Identity
 from tribo.model.scene import Scene
-from tribo.validation import InputError
+from tribo.validation import NOT_NEGATIVE, InputError, must_be, number
 
 T = TypeVar("T")
 
@@ -38,6 +38,37 @@ class _ErrorEstimates(dict[str, float | None]):
 def itself(value: T) -> T:
     """A value that is known already; a partial of it can be pickled."""
     return value
+
+
+def stop_of(result: "RunResult") -> str:
+    """When a run stopped before its end, and why; empty of one that completed."""
+    if result.status == Status.COMPLETED:
+        return ""
+    return f"the run stopped at t = {result.t[-1]:g}, {result.status}"
+
+
+def begin_of(result: "RunResult", after: object) -> float:
+    """The time at which an average begins; that of None is the scene's ``output.run_in`` [time].
+
+    Raises InputError for another value than a time of the run before its end.
+    """
+    if after is None:
+        return result.scene.output.run_in
+    begin = number("after", after, NOT_NEGATIVE, "time")
+    end = float(result.t[-1])
+    if begin >= end:
+        problem = f"must be before the end of the run, t = {end:g}, got {begin:g}"
+        raise InputError("after", "; ".join(filter(None, [problem, stop_of(result)])))
+    return begin
+
+
+def begin_or_auto(result: "RunResult", after: object) -> float | str:
+    """As `begin_of`, also for "auto"."""
+    if not isinstance(after, str):
+        return begin_of(result, after)
+    if after != "auto":
+        raise must_be("after", 'a time or "auto"', after)
+    return after
 
 
 def of_all(result: "RunResult", name: str) -> np.ndarray:
@@ -217,6 +248,6 @@ class RunResult:
     @property
     def shortcoming(self) -> str:
         """The reason why the run missed its request, in one sentence; empty if it did not."""
-        if self.status != Status.COMPLETED:
-            return f"the run stopped at t = {self.t[-1]:g}, {self.status}: {MEANINGS[self.status]}"
+        if stop := stop_of(self):
+            return f"{stop}: {MEANINGS[self.status]}"
         return f"the accuracy is not met: {self.notes[-1]}" if self.met is False else ""

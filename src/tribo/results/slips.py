@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, NamedTuple
 import numpy as np
 
 from tribo.results.averages import CONFIDENCE, SampleMean, sample_mean
-from tribo.results.run_result import RunResult
+from tribo.results.run_result import RunResult, begin_of
 from tribo.results.stage import (
     Leg,
     legs_of,
@@ -138,9 +138,10 @@ def slips(
     Raises
     ------
     InputError
-        If no springs pull the surface, forces or places were not recorded, or it does not slip.
+        If there is no such surface, `after` is no time of the run before its end, no springs pull
+        the surface, forces or places were not recorded, or it does not slip.
     """
-    begin = result.scene.output.run_in if after is None else number("after", after, unit="time")
+    begin = begin_of(result, after)
     pulled = _pulled(result, surface, asperite)
     force = pulled.force
     first = int(np.searchsorted(result.t, begin))
