@@ -140,11 +140,9 @@ class Model:
                 f'must have one value at a time; "{self._quantity}" has {found.shape[2]}',
             )
         recorded = self.scene.times
+        # The scene records these times; the last one may be later than its end by round-off.
         at = np.minimum(np.searchsorted(recorded, self._trace.t), recorded.size - 1)
-        before = np.maximum(at - 1, 0)
-        t = self._trace.t
-        nearer = np.abs(recorded[before] - t) < np.abs(recorded[at] - t)
-        return np.asarray(found[:, np.where(nearer, before, at), 0], float)
+        return np.asarray(found[:, at, 0], float)
 
     def with_step(self, parts: np.ndarray, tolerance: float) -> Model:
         """The same with the longest step that changes its series by a tolerance at most.

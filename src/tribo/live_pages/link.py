@@ -12,11 +12,7 @@ from collections.abc import Iterator, Mapping
 HEADER = 8  # bytes: the magic number and the version
 # Identities of sections.
 CUSTOM = 0
-IMPORTS = 2
 EXPORTS = 7
-ELEMENTS = 9
-CODE = 10
-DATA = 11
 # In the section "linking": the subsection with symbols, kinds of symbols, and their flags.
 SYMBOL_TABLE = 8
 FUNCTION_SYMBOL = 0
@@ -128,22 +124,3 @@ def linked(content: bytes, functions: Mapping[str, str]) -> bytes:
     return content[:HEADER] + b"".join(
         bytes([kind]) + number(len(body)) + body for kind, body in ordered
     )
-
-
-def imported_functions(content: bytes) -> list[str]:
-    """The names of what a module imports, memory and tables included."""
-    reader = Reader(next((body for kind, body in sections(content) if kind == IMPORTS), b"\0"))
-    names = []
-    for _ in range(reader.number()):
-        reader.name()
-        names.append(reader.name())
-        kind = reader.byte()
-        if kind == 0:  # a function, by its type
-            reader.number()
-        elif kind == 3:  # a global, by its type and whether it can change
-            reader.bytes(2)
-        else:  # a table, with the type of its elements, or a memory: limits
-            reader.bytes(kind == 1)
-            for _ in range(1 + (reader.number() & 1)):
-                reader.number()
-    return names

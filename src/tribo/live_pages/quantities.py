@@ -1,6 +1,7 @@
 """What a page shows of a pair at one time, from a row of the loop's record.
 
-The formulas are those of :mod:`tribo.ledger` for one asperite on one; ``tests/live`` compares both.
+The formulas are those of :mod:`tribo.ledger` for one asperite on one; ``tests/live_pages`` compares
+both.
 """
 
 import math
