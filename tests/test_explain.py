@@ -450,6 +450,19 @@ def test_reason_of_the_method():
         assert f", {why}" in line
 
 
+def test_steps_that_samples_shorten():
+    """The step that is taken is named beside the given one, as in a note of the run."""
+    for samples, word in ((3, ""), (31, ", shortened to 0.01667 to fit between samples")):
+        scene = replace(
+            two_rows(duration=0.5 if samples == 31 else 1.0),
+            numerics=tribo.Numerics(method="verlet", step=0.02 if samples == 31 else 0.1),
+            output=tribo.Output(samples=samples),
+        )
+        text = " ".join(str(tribo.explain(scene)).split())
+        step = scene.numerics.step
+        assert f"verlet, steps of {step:g}{word}, which the scene names" in text
+
+
 def test_wrong_input():
     """What cannot be run cannot be explained, and the message is that of a run."""
     with pytest.raises(tribo.InputError, match=r"scene: must be a tribo\.Scene"):

@@ -539,6 +539,40 @@ def test_table_of_means(tmp_path, capsys):
     assert [*map(float, first.split()[1:3])] == pytest.approx(wanted, rel=1e-5)
 
 
+def test_table_of_averages_over_time(tmp_path, capsys):
+    """Without members, averages over time have the half-widths of their intervals."""
+    path, out = tmp_path / "a.toml", tmp_path / "a.nc"
+    scene = replace(SCENE, output=Output(samples=401, series=("forces",)))
+    path.write_text(scene.to_toml(), encoding="utf-8")
+    command = ["sweep", str(path), "--set", "upper.velocity=0.4,0.5", "--out", str(out)]
+    assert main([*command, "--keep", "upper.friction_force,upper.W"]) == 0
+    _, head, first, _, meaning, *_ = capsys.readouterr().out.splitlines()
+    names = ["upper.velocity", "upper.friction_force", "half-width", "upper.W", "status"]
+    assert head.split() == names
+    assert meaning == "half-width: of the 95 % interval of the average over time"
+    with xarray.open_dataset(out) as data:
+        wanted = float(data["upper.friction_force_time_half_width"][0])
+    assert float(first.split()[2]) == pytest.approx(wanted, rel=1e-5, nan_ok=True)
+    for other in ("plot", "view"):
+        assert main([other, str(out)]) == 2
+        err = capsys.readouterr().err
+        assert "a.nc: is the file of a sweep, and the file of a run is needed: " in err
+        assert "draws it with --resume --figure FILE.png" in err
+    assert main([*command, "--resume", "--keep", "upper.friction_force,upper.W"]) == 0
+
+
+def test_averages_begin_before_the_shortest_duration(tmp_path, capsys):
+    path = tmp_path / "a.toml"
+    scene = replace(SCENE, output=Output(samples=401, series=("forces",), run_in=10.0))
+    path.write_text(scene.to_toml(), encoding="utf-8")
+    command = ["sweep", str(path), "--keep", "upper.friction_force"]
+    status = main([*command, "--set", "duration=8.0,20.0"])
+    assert status != 0
+    said = "".join(capsys.readouterr())
+    assert 'change with it in a sweep, as "duration,output.run_in" does' in said
+    assert main([*command, "--set", "duration,output.run_in=[8.0,4.0],[20.0,10.0]"]) == 0
+
+
 def test_quantities_of_asperites_of_the_command(tmp_path, capsys):
     """Table, JSON and figure of a surface with one; a line names those of a surface with more."""
     upper = tribo.Surface("upper", shape=(2, 1), spacing=(3.0, 0.0))

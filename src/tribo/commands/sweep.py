@@ -29,7 +29,7 @@ COLUMNS = 5
 MOST_NOTES = 6
 # Characters of a column, of which long headings take more.
 WIDTH = 18
-# The heading of the intervals of means over members.
+# The heading of the intervals of means over members, or of averages over time.
 HALF_WIDTH = "half-width"
 
 
@@ -151,8 +151,9 @@ def _table(data: xarray.Dataset) -> list[str]:
     columns = {}  # variable -> its heading
     for name in names[:COLUMNS]:
         columns[name] = name
-        half_width = f"{name.removesuffix('_mean')}_half_width"
-        if name.endswith("_mean") and half_width in scalars:
+        ending = "_half_width" if name.endswith("_mean") else INTERVAL
+        half_width = name.removesuffix("_mean") + ending
+        if half_width in scalars:
             columns[half_width] = HALF_WIDTH
     headings = [*keys, *columns.values()]
     widths = [max(WIDTH, len(heading)) for heading in headings]
@@ -173,7 +174,9 @@ def _table(data: xarray.Dataset) -> list[str]:
         lines.append(f"... and {len(points) - LINES} more points")
     if len(names) > COLUMNS:
         lines.append(f"... and {len(names) - COLUMNS} more quantities")
-    if HALF_WIDTH in headings:
+    if any(name.endswith(INTERVAL) for name in columns):
+        lines.append(f"{HALF_WIDTH}: of the 95 % interval of the average over time")
+    elif HALF_WIDTH in headings:
         lines.append(f"{HALF_WIDTH}: of the 95 % interval of the mean over members")
     if others := _without_a_column(data, scalars):
         lines.append(f"several values at each point, only in the file of --out: {others}")

@@ -327,9 +327,15 @@ def _check_averaged(scene: Scene) -> None:
     times = int(np.count_nonzero(scene.times >= run_in))
     if times < least:
         later = f" from t = {run_in:g} on" if run_in > 0.0 else ""
+        mend = ""
+        if run_in > 0.0 and scene.times.size >= least:
+            mend = (
+                f"; output.run_in must be below the duration {scene.duration:g}, and change with "
+                'it in a sweep, as "duration,output.run_in" does'
+            )
         raise InputError(
             "output.samples",
-            f"must be at least {least}{later} for averages of forces over time, got {times}",
+            f"must be at least {least}{later} for averages of forces over time, got {times}{mend}",
         )
 
 

@@ -19,11 +19,13 @@ from tribo.kernels.potential_in_lanes import is_vectorized
 from tribo.layout.layout import Layout, lay_out
 from tribo.ledger.ledger import check_keep
 from tribo.loops.general import GeneralLoop
+from tribo.loops.resolution import longest_step
 from tribo.loops.setting import Setting
 from tribo.model.effects import EFFECTS, Effect, reason_for
 from tribo.model.scene import Scene
 from tribo.plugins.classes import parts
 from tribo.potentials.potential import Potential
+from tribo.results.notes import NOTED_CUT
 from tribo.threads.shared_run import Threads, threads_of
 from tribo.validation import inside, instance
 
@@ -87,6 +89,8 @@ class Explanation:
         The requested accuracy; None with a given step.
     step : float or None
         The step [time]; None where the method chooses its steps, or the step is not known yet.
+    longest_step : float or None
+        The longest step that is taken: steps are equal parts of the times between samples [time].
     compiled : bool
         Whether the time loop had been compiled before.
     predicted : Predicted
@@ -111,6 +115,7 @@ class Explanation:
     predicted: Predicted
     evaluations_used: int
     slow: str = ""
+    longest_step: float | None = None
 
     @property
     def degrees_of_freedom(self) -> int:
@@ -171,6 +176,8 @@ class Explanation:
         )
         ledgers = {"surfaces": "sums of works over each surface", "none": "no works are computed"}
         steps = "steps of its own" if self.step is None else f"steps of {self.step:.3g}"
+        if self._takes_shorter_steps:
+            steps += f", shortened to {self.longest_step:.4g} to fit between samples"
         if self.accuracy is not None:
             single = isinstance(self.accuracy, float)
             steps = f"accuracy {f'{self.accuracy:.0e}' if single else 'of observables'}, {steps}"
@@ -190,6 +197,13 @@ class Explanation:
             "Cost": f"{self._cost()} on this machine, {memory} of memory. {self._basis()}",
             "Slow": self.slow,
         }
+
+    @property
+    def _takes_shorter_steps(self) -> bool:
+        """Whether samples are so close together that steps are shorter, as a run notes."""
+        if self.step is None or self.longest_step is None:
+            return False
+        return self.longest_step < NOTED_CUT * self.step
 
     def _cost(self) -> str:
         """The evaluations to three digits, and their time."""
@@ -259,6 +273,7 @@ def explain(scene: Scene) -> Explanation:
         predicted=predicted,
         evaluations_used=search.evaluations,
         slow=slow_motion(layout, step) if predicted.seconds >= LONG else "",
+        longest_step=None if step is None else longest_step(layout, step),
     )
 
 

@@ -189,14 +189,31 @@ def load(path: Path) -> xarray.Dataset:
     try:
         data = netcdf_in(image)
         changed = _changed(data)
+        kind = _kind_of_many(data)
     except Exception:  # bytes that are no file, or a damaged one, may raise anything
         changed = "it"
+        kind = ""
+    if changed and kind:
+        raise InputError(
+            str(path),
+            f"is the file of {kind}, and the file of a run is needed: the command that wrote it "
+            "prints it with --resume, and draws it with --resume --figure FILE.png; "
+            "xarray.open_dataset reads it",
+        )
     if changed:
         raise seals.damaged(str(path), changed)
     if whole:
         return data
     data.attrs["notes"] = json.dumps([*json.loads(data.attrs["notes"]), REWRITTEN])
     return data
+
+
+def _kind_of_many(data: xarray.Dataset) -> str:
+    """Whether a data set is that of "a sweep" or "an ensemble"; "" for any other."""
+    if "identity" not in data.attrs:
+        return ""
+    settings = json.loads(data.attrs["identity"])["settings"]
+    return "a sweep" if "values" in settings else "an ensemble"
 
 
 def _changed(data: xarray.Dataset) -> str:
