@@ -576,6 +576,16 @@ def test_missing_file(tmp_path, capsys):
         assert capsys.readouterr().err.startswith(f"tribo: {path}: cannot be read ({why}")
 
 
+def test_files_that_are_meant(tmp_path, capsys):
+    """A file with a similar name is named; the file of a run is no scene."""
+    (tmp_path / "scene.toml").write_text(tomli_w.dumps(changed()))
+    assert main(["run", str(tmp_path / "scene.tml")]) == 2
+    assert capsys.readouterr().err.endswith(f'; did you mean "{tmp_path / "scene.toml"}"?\n')
+    (tmp_path / "run.nc").write_bytes(b"\x89HDF\xff")
+    assert main(["live", str(tmp_path / "run.nc")]) == 2
+    assert "is a NetCDF file, and a scene file is needed; " in capsys.readouterr().err
+
+
 def test_place_that_cannot_be_written(tmp_path, capsys):
     """The place of --out is checked before the run."""
     (tmp_path / "file").touch()

@@ -3,13 +3,14 @@
 The names of the keys are a contract: scene files of older versions stay valid.
 """
 
+import difflib
 import tomllib
 from collections.abc import Callable
 from functools import partial
 from pathlib import Path
 from typing import Any
 
-from tribo.files import read_file
+from tribo.files import NETCDF, read_file
 from tribo.model import bars, drive_tables
 from tribo.model.drawn import column, is_column, with_columns
 from tribo.model.fields import from_table as field_of
@@ -44,8 +45,18 @@ def load_scene(path: object) -> Scene:
         sentence that names the key.
     """
     path = as_path(path)
+    if path.suffix == NETCDF and path.is_file():
+        raise InputError(
+            str(path),
+            "is a NetCDF file, and a scene file is needed; tribo view shows the run in it, "
+            "and in Python tribo.load_result(file).scene.save writes its scene",
+        )
     try:
-        text = read_file(path).decode("utf-8-sig")  # Notepad begins with a mark
+        content = read_file(path)
+    except InputError as error:
+        raise InputError(error.field, f"{error.problem}{_similar(path)}") from None
+    try:
+        text = content.decode("utf-8-sig")  # Notepad begins with a mark
     except UnicodeDecodeError:
         raise InputError(str(path), "is not a text file in UTF-8") from None
     try:
@@ -53,6 +64,15 @@ def load_scene(path: object) -> Scene:
     except (ValueError, RecursionError) as error:
         raise InputError(str(path), toml_problem(error, text)) from None
     return scene_from(table, path.parent)
+
+
+def _similar(path: Path) -> str:
+    """The scene file whose name is most similar to that of a missing one, as part of a message."""
+    if path.exists() or not path.parent.is_dir():
+        return ""
+    names = [each.name for each in path.parent.glob("*.toml")]
+    near = difflib.get_close_matches(path.name, names, n=1)
+    return f'; did you mean "{path.with_name(near[0])}"?' if near else ""
 
 
 def scene_from(table: dict[str, Any], folder: Path = Path()) -> Scene:
