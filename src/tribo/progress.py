@@ -49,7 +49,7 @@ class ProgressBar:
         self._runs = f"run {number} of {runs}: "
         if seconds is not None and DELAY <= seconds < math.inf:
             left = runs - number + 1
-            plan = f"{left} run{'s' * (left > 1)} planned, about {seconds:.2g} s"
+            plan = f"{left} run{'s' if left > 1 else ''} planned, about {seconds:.2g} s"
             print(plan, file=sys.stderr, flush=True)
 
     def close(self) -> None:

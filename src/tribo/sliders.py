@@ -129,10 +129,12 @@ def _slider(scene: Scene, key: str, given: object) -> Slider:
 
 def shown(scene: Scene, bath: bool = False) -> Scene:
     """The scene with the series that a page draws: forces of few asperites, heat of baths."""
-    series = [*scene.output.series, *["oscillators"] * bath]
+    series = list(scene.output.series)
+    if bath:
+        series.append("oscillators")
     if scene.output.keep is None:
-        series += ["forces"] * (scene.count <= MOST_ARROWS)
-        series += ["energies"] * any(surface.bath for surface in scene.surfaces)
+        series += ["forces"] if scene.count <= MOST_ARROWS else []
+        series += ["energies"] if any(surface.bath for surface in scene.surfaces) else []
     return replace(scene, output=replace(scene.output, series=tuple(series)))
 
 

@@ -264,7 +264,8 @@ def measure_amplification(
 
 def out_of_reach(accuracy: float, amplification: float) -> str:
     """The reason why an accuracy cannot be kept."""
-    reason = "finer settings gain too little, though " * (amplification * EPSILON < accuracy)
+    is_above = amplification * EPSILON < accuracy  # round-off
+    reason = "finer settings gain too little, though " if is_above else ""
     return (
         f"accuracy {accuracy:.1e} is out of reach: {reason}{growth(amplification)}, and round-off "
         f"of {EPSILON:.1e} with it to about {amplification * EPSILON:.1e}"

@@ -147,7 +147,9 @@ class Explanation:
         scene = self.scene
         n = len(scene.surfaces)
         title = f"{scene.title}: " if scene.title else ""
-        count = f"{scene.count} asperite{'s' * (scene.count > 1)} on {n} surface{'s' * (n > 1)}"
+        asperites = "asperites" if scene.count > 1 else "asperite"
+        surfaces = "surfaces" if n > 1 else "surface"
+        count = f"{scene.count} {asperites} on {n} {surfaces}"
         lines = [f"{title}{count}, until t = {scene.duration:g}."]
         present = {effect: f"{effect.description}: {why}" for effect, why in self.effects.items()}
         for head, reasons in (("Simulated:", present), ("Absent, at no cost:", self.absent)):
@@ -222,7 +224,8 @@ class Explanation:
         }[cost.basis]
         if cost.stop:
             return f"{basis}. The run will stop as {cost.status}: {cost.stop}"
-        return basis + ". The run will fall short of its accuracy" * (cost.met is False)
+        shortfall = ". The run will fall short of its accuracy" if cost.met is False else ""
+        return basis + shortfall
 
 
 def _in_units(number: float, units: tuple[tuple[float, str], ...]) -> str:

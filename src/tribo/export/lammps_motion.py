@@ -101,7 +101,8 @@ def omitted_fields(scene: Scene) -> list[str]:
 def _cancelled_axes(surface: Surface) -> list[str]:
     """The axes along which the drive cancels contact."""
     drive = surface.drive
-    return ["x"] * drive.cancels_x + ["y"] * (drive.cancels_y and drive.load is None)
+    cancels = {"x": drive.cancels_x, "y": drive.cancels_y and drive.load is None}
+    return [axis for axis, is_cancelled in cancels.items() if is_cancelled]
 
 
 def _drive(surface: Surface, group: str) -> Iterator[str]:

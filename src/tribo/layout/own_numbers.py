@@ -83,7 +83,7 @@ def _numbers_of_parts(layout: Layout, index: int) -> dict[str, str]:
     if surface.is_noisy:  # so that there is noise
         for each in surface.reservoirs:
             part = reservoir_part(surface, each.on)
-            before = "swing_" * (each.on == "swing")
+            before = "swing_" if each.on == "swing" else ""
             names = [name for name in ("gamma", "temperature") if _is_float(each, name)]
             found |= {f"{part}.{name}": before + name for name in names}
     return found

@@ -173,7 +173,8 @@ class Ledger:
         kept = tuple(keep)
 
         def some(table: Table, surface: str) -> Series:
-            names = [name for name in table if (f"{surface}." * bool(surface)) + name in kept]
+            before = f"{surface}." if surface else ""
+            names = [name for name in table if before + name in kept]
             return known({name: np.array(table[name]) for name in names}, kept)
 
         return self._of_tables(some, t=np.array(self.t), kept=kept, oscillators={})

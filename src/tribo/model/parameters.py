@@ -300,8 +300,8 @@ def _parts_of(scene: Scene) -> list[str]:
     parts = ["", *PARTS_OF_SCENE]
     for surface in scene.surfaces:
         parts += [surface.name, *(f"{surface.name}.{part}" for part in parts_of(surface))]
-    parts += [INTERACTION] * (len(scene.interactions) == 1)
-    return parts + [FIELD] * (len(scene.fields) == 1)
+    parts += [INTERACTION] if len(scene.interactions) == 1 else []
+    return parts + ([FIELD] if len(scene.fields) == 1 else [])
 
 
 def _unknown(scene: Scene, key: str) -> InputError:
@@ -338,7 +338,8 @@ def _meant(name: str, keys: list[str]) -> str:
     if not found:
         return ""
     shown = found[:MOST_HINTS]
-    return f"did you mean {', '.join(shown[:-1])}{' or ' * (len(shown) > 1)}{shown[-1]}?"
+    before = f"{', '.join(shown[:-1])} or " if len(shown) > 1 else ""
+    return f"did you mean {before}{shown[-1]}?"
 
 
 def _keys_of(scene: Scene) -> list[str]:

@@ -167,7 +167,7 @@ class Surface(ComparedByValue):
             raise InputError("initial.temperature", "needs asperite.kappa > 0, got 0")
 
     def __repr__(self) -> str:
-        size = f"{self.count} asperite{'s' * (self.count > 1)}"
+        size = f"{self.count} asperite{'s' if self.count > 1 else ''}"
         drive = type(self.drive).__name__.lower()
         at = f"first bob at ({self.first_bob[0]:g}, {self.first_bob[1]:g})"
         moves = f"velocity ({self.velocity[0]:g}, {self.velocity[1]:g})"

@@ -82,7 +82,7 @@ def _field_like(cls: type) -> str:
         if not name.startswith("_") and type(value) in (int, float)
     )
     shown = f"as {next(numbers, 'h: float = 1.0')} in the class"
-    return shown + " instead of __init__" * ("__init__" in vars(cls))
+    return f"{shown} instead of __init__" if "__init__" in vars(cls) else shown
 
 
 def as_built_in(value: Any) -> Any:

@@ -264,7 +264,8 @@ class Potential(tuple[Any, ...], metaclass=PotentialType):
         for name, sign, unit in self._limits:
             problem, holds = {">": POSITIVE, ">=": NOT_NEGATIVE}[sign]
             met = holds(getattr(self, name))
-            found.append((name, met, problem + f" [{unit}]" * bool(unit)))
+            suffix = f" [{unit}]" if unit else ""
+            found.append((name, met, problem + suffix))
         return tuple(found)
 
     def with_cutoff(

@@ -331,7 +331,7 @@ def _on_places(scene: Scene) -> Iterator[str]:
         if places < number:
             yield (
                 f'the {number} asperites of "{surface.name}" are on {places} '
-                f"place{'s' * (places > 1)}, where alike ones act as one; {advice}"
+                f"place{'s' if places > 1 else ''}, where alike ones act as one; {advice}"
             )
 
 

@@ -132,7 +132,8 @@ def in_words(found: Average, surface: Surface, is_friction: bool) -> str:
         parts.append(f"{found.mean / surface.count:.4g} per asperite")
     if is_friction and force_averages.load_of(surface) > 0.0:
         parts.append(f"{abs(found.mean) / force_averages.load_of(surface):.4g} of the load")
-    return ", ".join(parts) + f" ({found.note})" * bool(found.note)
+    note = f" ({found.note})" if found.note else ""
+    return ", ".join(parts) + note
 
 
 def _energies(result: RunResult) -> Iterator[str]:
@@ -149,7 +150,8 @@ def _energies(result: RunResult) -> Iterator[str]:
     if "applied_work" in end.system and "total_energy_change" in end.system:
         work, change = (end.system[k][-1] for k in ("applied_work", "total_energy_change"))
         share = sum(of_reservoirs)
-        who = f" ({share:.6g} by reservoirs, {work - share:.6g} by all else)" * bool(of_reservoirs)
+        both = f" ({share:.6g} by reservoirs, {work - share:.6g} by all else)"
+        who = both if of_reservoirs else ""
         yield (
             f"  energy: work applied {work:.6g}{who}, change of the total energy {change:.6g}, "
             f"difference {work - change:.1e}"

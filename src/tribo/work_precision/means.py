@@ -96,7 +96,7 @@ class MeanRow:
             return f"no bias of the step can be seen (below its half-width of {half_width})"
         text = f"the step's bias is {mean_text(self.bias, self.bias_half_width)}"
         other = f"; biases of other quantities below {self.unseen_bias:.2g} cannot be seen"
-        return text + other * (self.unseen_bias > self.bias)
+        return text + (other if self.unseen_bias > self.bias else "")
 
 
 @dataclass(frozen=True)
@@ -145,8 +145,7 @@ class MeansPrecision:
         lines += [
             f"half-width {row.half_width:g}: {row.members} members by {row.method} at step "
             f"{row.setting:.2g}, {row.force_evaluations} evaluations, {row.seconds:.2g} s"
-            + "; the step's bias is larger"
-            * (row.bias > row.half_width)
+            + ("; the step's bias is larger" if row.bias > row.half_width else "")
             for row in self.cheapest
         ]
         lines += [f"at the end, {row.bias_text}" for row in self.rows[-1:]]
