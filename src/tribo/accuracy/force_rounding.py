@@ -11,6 +11,7 @@ from typing import NamedTuple
 import numpy as np
 
 from tribo.accuracy.scales import EPSILON, largest
+from tribo.kernels.kinematics import versine
 from tribo.kernels.records import OSCILLATOR_FREQUENCY, OSCILLATOR_MASS
 from tribo.kernels.samples import BATH, SPRINGS
 from tribo.layout.layout import Layout, once_per_layout
@@ -92,7 +93,7 @@ def _errors(layout: Layout, motion: Motion, stiffness: np.ndarray, lost: Lost) -
     moves = a.pivot == 0.0  # driven bars are held where they are
     away = np.hypot(
         np.abs(motion.x) + a.l2 * np.abs(np.sin(motion.swing)),
-        np.abs(motion.y) + a.l2 * 2.0 * np.sin(0.5 * motion.swing) ** 2,
+        np.abs(motion.y) + a.l2 * versine(motion.swing),
     )
     # The other ends of springs are bars of the same surface, or oscillators on the bar.
     farthest = np.zeros(stiffness.size)

@@ -10,7 +10,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from tribo.export.lammps_pairs import Kind
-from tribo.kernels.kinematics import nearest_image
+from tribo.kernels.kinematics import nearest_image, versine
 from tribo.model.scene import Scene
 from tribo.model.surface import Surface
 from tribo.validation import InputError
@@ -87,7 +87,7 @@ def _start(scene: Scene, index: int) -> tuple[np.ndarray, np.ndarray]:
     initial = surface.initial_of_each
     swing = surface.initial_swing
     swing = initial["phi"] if swing is None else swing
-    turn = surface.facing_sign * np.column_stack([np.sin(swing), 2.0 * np.sin(0.5 * swing) ** 2])
+    turn = surface.facing_sign * np.column_stack([np.sin(swing), versine(swing)])
     bars = np.column_stack([initial["x"], initial["y"]])
     if not surface.drive.holds_bars:
         bars -= each["l2"][:, None] * turn

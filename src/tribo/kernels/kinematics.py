@@ -18,6 +18,11 @@ Vector = tuple[Number, Number]
 equation = register_jitable(**KERNEL)
 
 
+def versine(angle: Number) -> Number:
+    """1 - cos(angle), without the cancellation at small angles."""
+    return 2.0 * np.sin(0.5 * angle) ** 2
+
+
 @equation
 def nearest_image(difference: Number, period: Number) -> Number:
     """The difference, from -period/2 up to and excluding period/2 where there is a period."""

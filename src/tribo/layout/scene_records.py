@@ -11,6 +11,7 @@ import numpy as np
 from tribo.compiler.lanes import LANES
 from tribo.compiler.lanes_memory import room
 from tribo.kernels import records
+from tribo.kernels.kinematics import versine
 from tribo.kernels.model import Custom, FieldOn, Springs
 from tribo.layout.legs import Scheduled
 from tribo.layout.slots import slide
@@ -211,7 +212,7 @@ def springs(scene: Scene, asperites: np.ndarray, columns: np.ndarray) -> Springs
             # The distance of the resting bars, minus the same distance turned.
             heights = asperites["y"] + asperites["facing"] * asperites["l2"]
             x, y = (bars[i] - bars[j] for bars in (asperites["x"], heights))
-            less = 2.0 * np.sin(0.5 * turned) ** 2
+            less = versine(turned)
             sin = np.sin(turned)
             table[records.REST_X] = less * x + sin * y
             table[records.REST_Y] = less * y - sin * x

@@ -4,6 +4,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
+from tribo.kernels.kinematics import versine
 from tribo.layout.slots import Numbering
 from tribo.model.bath import Bath
 from tribo.model.scene import Scene
@@ -120,7 +121,7 @@ def hang_baths(asperites: np.ndarray, scene: Scene, q: np.ndarray) -> None:
         # Displacements of the bars from their uniform motion at rest: driven bars stay in place.
         arm = (own["l2"] - own["pivot"]) * own["facing"]
         x = -arm * np.sin(swing)
-        y = -arm * 2.0 * np.sin(0.5 * swing) ** 2
+        y = -arm * versine(swing)
         for bars, slots in ((x, own["dof_x"]), (y, own["dof_y"])):
             if (slots >= 0).all():
                 bars += q[..., slots]

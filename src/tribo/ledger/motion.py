@@ -9,7 +9,7 @@ from collections.abc import Callable, Iterator
 
 import numpy as np
 
-from tribo.kernels.kinematics import rod_position, rod_velocity
+from tribo.kernels.kinematics import rod_position, rod_velocity, versine
 from tribo.kernels.records import BARS, MOVED
 from tribo.layout.layout import Layout, once_per_layout
 from tribo.layout.span import Asperites, Span, columns
@@ -237,7 +237,7 @@ def about_pivots(
     pivot = asperites.pivot
     facing = asperites.facing
     tx, ty = swing_direction(facing, swing)
-    lift = facing * 2.0 * np.sin(0.5 * swing) ** 2  # facing - tx
+    lift = facing * versine(swing)  # facing - tx
     return pivot * ty, pivot * lift, pivot * omega * tx, pivot * omega * ty
 
 
@@ -250,9 +250,9 @@ def about_mean(
     """
     a = asperites
     sin = np.sin(phi)
-    versine = 2.0 * np.sin(0.5 * phi) ** 2
-    x = -versine * a.arm_x - sin * a.arm_y
-    y = sin * a.arm_x - versine * a.arm_y
+    less = versine(phi)  # 1 - cos phi
+    x = -less * a.arm_x - sin * a.arm_y
+    y = sin * a.arm_x - less * a.arm_y
     return x, y, -nu * (a.arm_y + y), nu * (a.arm_x + x)
 
 

@@ -6,7 +6,7 @@ from typing import Any, ClassVar
 
 import numpy as np
 
-from tribo.kernels.kinematics import rod_position
+from tribo.kernels.kinematics import rod_position, versine
 from tribo.kernels.records import BARS
 from tribo.kernels.samples import BATH, KINETIC, MOMENTUM_X, MOMENTUM_Y, SPRINGS, TORSIONAL, WITHIN
 from tribo.layout.elastic_body import shares_of_edges
@@ -147,7 +147,7 @@ class SurfaceSeries(AsperiteSeries):
         def bar(motion: Motion) -> tuple[np.ndarray, np.ndarray]:
             a = motion.span.asperites
             _, ty = motion.direction
-            rise = a.l2 * a.facing * 2.0 * np.sin(0.5 * motion.swing) ** 2
+            rise = a.l2 * a.facing * versine(motion.swing)
             return motion.x - a.l2 * ty, motion.y - rise
 
         scene = self._layout.scene

@@ -12,6 +12,7 @@ from typing import Any
 
 import numpy as np
 
+from tribo.kernels.kinematics import versine
 from tribo.layout.layout import Layout
 from tribo.layout.start import bath_slots
 from tribo.ledger.motion import about_mean
@@ -93,8 +94,7 @@ def _about_bars(table: dict[str, np.ndarray], arm: np.ndarray) -> tuple[np.ndarr
     omega = table["omega"]
     sin = np.sin(swing)
     cos = np.cos(swing)
-    versine = 2.0 * np.sin(0.5 * swing) ** 2
-    return arm * sin, arm * versine, arm * cos * omega, arm * sin * omega
+    return arm * sin, arm * versine(swing), arm * cos * omega, arm * sin * omega
 
 
 def _held(
