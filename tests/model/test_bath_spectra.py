@@ -100,8 +100,8 @@ def test_normal_modes_against_the_transform_of_the_motion(kind, gamma, frequency
         memory = np.sum(masses * frequencies**2 / (1.0 + (frequencies / s) ** 2))
         exact = s**2 / (s**2 + frequency**2 + memory)
         assert np.sum(weights / (1.0 + (modes / s) ** 2)) == pytest.approx(
-                exact, rel=1e-11, abs=0.0
-            )
+            exact, rel=1e-11, abs=0.0
+        )
     assert np.sum(weights) == pytest.approx(1.0, abs=1e-12)
     if frequency > 0.0:  # a constant force stretches the bar's own spring alone
         assert frequency**2 * np.sum(weights / modes**2) == pytest.approx(1.0, rel=1e-12)
