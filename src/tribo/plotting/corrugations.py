@@ -1,4 +1,4 @@
-"""The corrugation of fields: a line beside the bobs of the surface on which they act."""
+"""Fields that repeat along x: a line beside the bobs of the surface on which they act."""
 
 from __future__ import annotations
 
@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from tribo.model.fields import Corrugation, Field
+from tribo.model.fields import Field, depends_on_time, period_of
 from tribo.model.scene import Scene
 from tribo.plotting.marks import Box
 from tribo.plotting.pose import Pose
@@ -26,21 +26,21 @@ TURN = 24
 
 
 class CorrugationLine:
-    """The sum of the corrugations that act on a surface, drawn at one height in all poses.
+    """The sum of the fields that act on a surface, drawn at one height in all poses.
 
-    Its height is that of the strongest sum; modulations with time are not drawn.
+    The energy is that at the height of the lowest bob, or of the highest one of a surface that
+    faces up, and its scale is that of the drawing.  Modulations with time are not drawn.
     """
 
     def __init__(self, fields: Sequence[Field], poses: Sequence[Pose]) -> None:
         self._fields = fields
+        self._period = min(filter(None, (period_of(field.potential) for field in fields)))
         rod = float(poses[0].rods.max())
         self._half_height = SWELL * rod
         heights = np.concatenate([now.bobs[:, 1] for now in poses])
-        # The surface faces down, or up.
-        if poses[0].up[0] > 0.0:
-            self._middle = float(heights.min()) - DISTANCE * rod
-        else:
-            self._middle = float(heights.max()) + DISTANCE * rod
+        faces_down = poses[0].up[0] > 0.0
+        self._bob = float(heights.min() if faces_down else heights.max())
+        self._middle = self._bob - DISTANCE * rod if faces_down else self._bob + DISTANCE * rod
 
     def in_box(self, box: Box) -> Box:
         """The box with room for the line."""
@@ -53,23 +53,35 @@ class CorrugationLine:
 
         `point` is the length of a typographic point in the axes.
         """
-        period = min(field.potential.period for field in self._fields)
-        strongest = sum(abs(field.potential.amplitude) for field in self._fields)
-        if period < LEAST_PERIOD * point or strongest == 0.0:
+        if self._period < LEAST_PERIOD * point:
             return
-        x = np.linspace(box.left, box.right, round(TURN * (box.right - box.left) / period) + 2)
-        energy = np.zeros(x.size)
-        for field in self._fields:
-            own = x - field.origin[0] - field.velocity[0] * t
-            energy += field.potential.energy_at(own, 0.0)
-        y = self._middle + self._half_height * energy / strongest
+        periods = (box.right - box.left) / self._period
+        x = np.linspace(box.left, box.right, round(TURN * periods) + 2)
+        energy = np.array([self._energy(t, place) for place in x.tolist()])
+        if not np.ptp(energy) > 0.0:
+            return
+        level = 2.0 * (energy - energy.min()) / np.ptp(energy) - 1.0
+        y = self._middle + self._half_height * level
         ax.plot(x + shift[0], y + shift[1], color=COLOUR, linewidth=0.8, zorder=1.5)
+
+    def _energy(self, t: float, x: float) -> float:
+        """The energy at a place along x; users' functions may take no arrays."""
+        energy = 0.0
+        for field in self._fields:
+            own_x = x - field.origin[0] - field.velocity[0] * t
+            own_y = self._bob - field.origin[1] - field.velocity[1] * t
+            energy += float(field.potential.energy_at(own_x, own_y))
+        return energy
 
 
 def corrugation_line(scene: Scene, poses: Sequence[Pose]) -> CorrugationLine | None:
-    """The line of the corrugations of a scene; None without any.
+    """The line of the fields of a scene that repeat along x and do not change; None without any.
 
     There is none of several surfaces either, where it would run through the bobs of another one.
     """
-    fields = [field for field in scene.fields if isinstance(field.potential, Corrugation)]
+    fields = [
+        field
+        for field in scene.fields
+        if period_of(field.potential) is not None and not depends_on_time(field.potential)
+    ]
     return CorrugationLine(fields, poses) if fields and len(scene.surfaces) == 1 else None
