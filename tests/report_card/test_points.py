@@ -81,6 +81,14 @@ def test_the_card_names_the_point(uncompiled):
         assert "give about -0.057" in report["points"].note
 
 
+@pytest.mark.parametrize("low", [0.81, 0.85, 0.9, 0.95, 1.1])
+def test_a_first_point_that_is_rounded(low):
+    """Compiled code computes r from positions, which may round it to below the first point."""
+    r = np.linspace(low, 3.0, 45)
+    report = check(from_points(r, tribo.LennardJones(0.5, 1.0).energy(r)))
+    assert report.passed, str(report)
+
+
 def test_a_jump_at_the_end_is_noted(uncompiled):
     """The verdict does not approve of it; a table that ends at zero has none."""
     report = check(from_points(R, ENERGY + 0.3))

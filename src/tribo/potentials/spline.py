@@ -124,6 +124,10 @@ class Table(Potential):
         """Smallest and largest valid r [length]: the first and the last point."""
         return float(self.r[0]), float(self.r[-1])
 
+    def tabulated_points(self) -> tuple[np.ndarray, np.ndarray]:
+        """Distances [length] and energies [energy] of the points, which were given."""
+        return self.r, self.values
+
     def with_checked_fields(self) -> Self:
         """The same, made from its points again.  Raises InputError, also for derived classes."""
         if type(self) is not Table:

@@ -14,9 +14,8 @@ import numpy as np
 from scipy.ndimage import maximum_filter1d, minimum_filter1d
 
 from tribo.plugins.classes import parts
-from tribo.potentials.spline import Table
 from tribo.report_card.card import Check
-from tribo.report_card.scan import PotentialScan
+from tribo.report_card.scan import SMALLEST_SCALE, PotentialScan
 from tribo.validation import shortened
 
 # Points on either side from which a point is predicted.
@@ -37,18 +36,22 @@ NEAR = 8
 
 def check_points(scan: PotentialScan) -> list[Check]:
     """Check that no point of a table stands out from its neighbours."""
-    tables = [part for part in parts(scan.potential) if isinstance(part, Table)]
-    return [_check_table(scan, table) for table in tables if table.r.size >= FEWEST]
+    tables = (
+        part.tabulated_points()
+        for part in parts(scan.potential)
+        if hasattr(part, "tabulated_points")
+    )
+    return [_check_table(scan, r, values) for r, values in tables if r.size >= FEWEST]
 
 
-def _check_table(scan: PotentialScan, table: Table) -> Check:
-    off = deviations(table.r, table.values) / scan.typical_energy
-    text = f"{table.r.size} points of the table and the cubics through their neighbours"
-    line = Check.of_worst("points", text, np.abs(off), LARGEST, table.r)
+def _check_table(scan: PotentialScan, r: np.ndarray, values: np.ndarray) -> Check:
+    off = deviations(r, values) / max(scan.typical_energy, SMALLEST_SCALE)
+    text = f"{r.size} points of the table and the cubics through their neighbours"
+    line = Check.of_worst("points", text, np.abs(off), LARGEST, r)
     if line.passed:
         return line
     worst = int(np.argmax(np.abs(off)))
-    value = table.values[worst]
+    value = values[worst]
     expected = value - off[worst] * scan.typical_energy
     note = f"point {worst + 1} has U = {value:.6g}; its neighbours give about {expected:.3g}"
     others = [k + 1 for k in np.flatnonzero(np.abs(off) > LARGEST).tolist() if k != worst]

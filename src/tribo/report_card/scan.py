@@ -14,6 +14,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from scipy.ndimage import maximum_filter1d
 
+from tribo.accuracy.scales import EPSILON
 from tribo.analysis.contact_probe import ContactProbe
 from tribo.model.asperite import Asperite
 from tribo.model.interaction import Interaction
@@ -48,6 +49,8 @@ WITHOUT_OWN = 1e20
 IN_ANY_UNIT = (1e-100, 1e100)
 # Smallest change of the energy that counts as a step [typical energy].
 STEP = 1e-9
+# How far the distance of two positions may be rounded below r, out of a domain that begins there.
+ROUNDED = 4.0 * EPSILON
 # Distance to either side of a parameter at which energies are compared, in search of a step [r].
 ASIDE = 1e-6
 # Cells beyond the distance from which the force has vanished: where it has a kink, it lies there.
@@ -265,7 +268,7 @@ class PotentialScan:
         size = energy + force * self.length
         unit = float(np.max(size, initial=0.0, where=np.isfinite(size)))
         least, largest = self.domain
-        nearest = max(self.length / WIDEST, least)
+        nearest = max(self.length / WIDEST, least * (1.0 + ROUNDED))
         farthest = min(self.length * WIDEST, largest, 1.1 * self.cutoff)
         low = self._core(nearest, unit)
         if math.isfinite(self.cutoff) or math.isfinite(largest):
