@@ -56,7 +56,7 @@ def test_the_decision_after_a_round(history, limits, wanted):
         assert found is wanted
     else:
         assert not isinstance(found, Stop)
-        assert found == pytest.approx(wanted, rel=1e-12)
+        assert found == pytest.approx(wanted, rel=1e-12, abs=0.0)
 
 
 def test_long_runs_are_not_repeated_with_shorter_steps():

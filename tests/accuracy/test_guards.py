@@ -68,7 +68,7 @@ def test_closest_bobs_of_lattices():
         if expected is None:
             assert found is None
         else:
-            assert found[0] == pytest.approx(expected[0], rel=1e-12)
+            assert found[0] == pytest.approx(expected[0], rel=1e-12, abs=0.0)
             assert set(found[1:]) == expected[1]
 
 

@@ -123,8 +123,8 @@ def test_the_noted_deflection_is_that_of_the_method():
     frequencies = with_spare_lanes(np.full(LANES, frequency))
     rotations = with_spare_lanes(np.full((3, 2 * LANES), np.nan))
     x, rate = rotate(angle, 0.5 * h * push, frequencies, h, rotations)
-    assert x == pytest.approx(angle, rel=1e-12)
-    assert rate == pytest.approx(-0.5 * h * push, rel=1e-12)
+    assert x == pytest.approx(angle, rel=1e-12, abs=0.0)
+    assert rate == pytest.approx(-0.5 * h * push, rel=1e-12, abs=0.0)
 
 
 def test_kicks_of_a_composition_are_longer_or_shorter_than_its_step():

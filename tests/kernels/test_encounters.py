@@ -136,8 +136,8 @@ def test_the_same_as_pair_by_pair(name):
         found = np.zeros(4)
         find(keep(model), keep(layout.neighbours()), speeds, found)
         rate, closest, clearance, ignored = in_python(layout, model, speeds, thermal)
-        assert found[:3] == pytest.approx([rate, closest, clearance], rel=1e-13)
+        assert found[:3] == pytest.approx([rate, closest, clearance], rel=1e-13, abs=0.0)
         # Rates that matter replace all slower ones, whichever come first.
         assert found[3] <= ignored * (1 + 1e-13)
         if ignored > rate:
-            assert found[3] == pytest.approx(ignored, rel=1e-13)
+            assert found[3] == pytest.approx(ignored, rel=1e-13, abs=0.0)

@@ -155,7 +155,7 @@ def test_means_of_forces_begin_with_the_run_that_goes_on():
     pull = later["upper"].pull_force
     assert np.isnan(pull[0]) and np.array_equal(pull[1:], whole["upper"].pull_force[5:])
     impulse = (later["upper"].w2[-1, 0] - later["upper"].w2[0, 0]) / 0.5
-    assert later.pull_force("upper").mean == pytest.approx(impulse / 4.0, rel=1e-12)
+    assert later.pull_force("upper").mean == pytest.approx(impulse / 4.0, rel=1e-12, abs=0.0)
 
 
 @pytest.mark.parametrize("ledger", ["surfaces", "none"])
@@ -297,7 +297,7 @@ def test_pairs_and_accuracies(tmp_path):
     across = result["upper"].x_bob - result["lower"].x_bob
     along = result["upper"].y_bob - result["lower"].y_bob
     r = np.hypot(across, along)
-    assert result["upper"].f1_x == pytest.approx(0.2 * across / r**3, rel=1e-12)
+    assert result["upper"].f1_x == pytest.approx(0.2 * across / r**3, rel=1e-12, abs=0.0)
     with pytest.raises(tribo.InputError, match=r"accuracy\.upper\.f1_x: is not a reported"):
         tribo.simulate(scene, accuracy={"upper.f1_x": 1e-3})
     scene.save(tmp_path / "scene.toml")
@@ -413,7 +413,7 @@ def test_the_kinetic_energy_of_a_bath_counts_both_axes():
     )
     output = tribo.Output(samples=2, series=["energies"])
     result = tribo.simulate(tribo.Scene([surface], [], 1.0, output=output), accuracy=1e-6)
-    assert result["s"].k_bath[0] == pytest.approx(0.5 * 0.5 * 0.5**2, rel=1e-12)
+    assert result["s"].k_bath[0] == pytest.approx(0.5 * 0.5 * 0.5**2, rel=1e-12, abs=0.0)
 
 
 def test_forces_on_a_driven_bar_change_its_momentum():

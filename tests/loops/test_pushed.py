@@ -81,7 +81,7 @@ def test_one_push_in_many_ways(tmp_path):
     with_load = pushed(load=0.4, force=(0.6, 0.0), rate=(0.2, 0.0))
     result = tribo.simulate(with_load, **HOW)
     assert np.all(result["upper"].f2_y == -0.4)
-    assert result["upper"].f2_x[-1, 0] == pytest.approx(0.6 + 0.2 * 3.0, rel=1e-15)
+    assert result["upper"].f2_x[-1, 0] == pytest.approx(0.6 + 0.2 * 3.0, rel=1e-15, abs=0.0)
     for settings, problem in (
         ({"force": [0.1, 0.2], "load": 0.3}, "force: must be zero along y beside a load, got 0.2"),
         ({"rate": [0.1, 0.2], "load": 0.3}, "rate: must be zero along y beside a load, got 0.2"),

@@ -40,7 +40,7 @@ def test_the_lower_row_is_as_long_as_the_slide(slide, first, last):
 @pytest.mark.parametrize("ratio", [GOLDEN_MEAN, 1 / GOLDEN_MEAN])
 def test_incommensurate_rows(ratio):
     upper, lower = incommensurate_rows(10, 2.0, ratio, slide=-7.0)
-    assert upper.spacing[0] / lower.spacing[0] == pytest.approx(ratio, rel=1e-15)
+    assert upper.spacing[0] / lower.spacing[0] == pytest.approx(ratio, rel=1e-15, abs=0.0)
     assert x_of(lower)[0] <= -7.0 < x_of(lower)[1]
     assert x_of(lower)[-2] < x_of(upper)[-1] <= x_of(lower)[-1]
     phase = np.sort(x_of(upper) / lower.spacing[0] % 1.0)
@@ -76,7 +76,7 @@ def test_periodic_rows_close(ratio, counts):
     upper, lower, period = periodic_rows(17, 0.3, ratio)
     assert (upper.count, lower.count) == counts
     for row in (upper, lower):
-        assert row.count * row.spacing[0] == pytest.approx(period, rel=1e-14)
+        assert row.count * row.spacing[0] == pytest.approx(period, rel=1e-14, abs=0.0)
 
 
 def test_settings_are_passed_on_and_have_the_last_word():

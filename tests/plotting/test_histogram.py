@@ -37,7 +37,7 @@ def test_members():
     counts, _, _ = ax.patches[1].get_data()
     assert counts.sum() == 200 and ax.get_xlabel() == "upper.W"
     (mean,) = (line.get_xdata()[0] for line in ax.lines)
-    assert mean == pytest.approx(values.mean(), rel=1e-12)
+    assert mean == pytest.approx(values.mean(), rel=1e-12, abs=0.0)
     shown = f"mean {values.mean():.3f} ± {stats.t.ppf(0.975, 199) * stats.sem(values):.3f} (95 %)"
     assert ax.lines[0].get_label() == shown
     low, high = stats.t.interval(0.95, 199, values.mean(), stats.sem(values))

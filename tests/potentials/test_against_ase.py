@@ -76,7 +76,7 @@ def test_three_atoms_are_three_pairs():
                 r = np.linalg.norm(apart)
                 energy += 0.5 * ours.energy(r)
                 force[i] += ours.force(r) * apart / r
-    assert atoms.get_potential_energy() == pytest.approx(energy, rel=1e-12)
+    assert atoms.get_potential_energy() == pytest.approx(energy, rel=1e-12, abs=0.0)
     assert atoms.get_forces() == pytest.approx(force, rel=1e-12, abs=1e-12)
 
 

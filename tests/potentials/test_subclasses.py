@@ -117,10 +117,10 @@ def test_the_force_is_that_of_the_energy(own):
     doubled = plain + plain
     for r in (0.7, 1.3):
         for potential, factor in ((plain, 1.0), (shifted, 1.0), (doubled, 2.0)):
-            force = pytest.approx(factor * 3.0 / r**4, rel=1e-13)
+            force = pytest.approx(factor * 3.0 / r**4, rel=1e-13, abs=0.0)
             assert potential.force(r) == force
             assert potential.force_between(r, 1.0, 1.0) == force
-        assert plain.energy_between(r, 1.0, 1.0) == pytest.approx(1.0 / r**3, rel=1e-14)
+        assert plain.energy_between(r, 1.0, 1.0) == pytest.approx(1.0 / r**3, rel=1e-14, abs=0.0)
     assert as_potential(PARTS[0]).force(2.0) == 0.25  # the parent keeps its force
 
 

@@ -188,7 +188,7 @@ def test_averages_of_a_stopped_run_end_together(result):
     pulls = result["tip"].pull_force
     first = int(np.searchsorted(result.t, 50.0))
     mean = np.trapezoid(pulls[first:-1], t[first:-1]) / (t[-2] - t[first])
-    assert friction.after == pull.after and pull.mean == pytest.approx(mean, rel=1e-12)
+    assert friction.after == pull.after and pull.mean == pytest.approx(mean, rel=1e-12, abs=0.0)
     for average in (stopped.friction_force, stopped.pull_force):
         with pytest.raises(tribo.InputError, match="the run stopped at t = 450, NotFinite"):
             average("tip", after=460.0)
