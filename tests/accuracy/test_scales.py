@@ -280,3 +280,29 @@ def test_scales_on_driven_bars_do_not_depend_on_the_unit_of_length():
 
     for length in (2.0**10, 2.0**-20):
         np.testing.assert_allclose(scales(length), scales(1.0), rtol=1e-4)
+
+
+def test_steps_with_torsional_oscillators_do_not_depend_on_the_unit_of_length():
+    """Their coordinates are angles, whose tolerances have no length."""
+
+    def evaluations(length):
+        energy = length**2  # with masses and times of 1
+        asperite = {"kappa": 2.0 * energy, "i2": 5.0 * energy}
+        asperite |= {"length": 2.0 * length, "bar_length": 3.0 * length}
+        bath = tribo.Bath(inertias=[0.5 * energy], torsional_frequencies=[1.3])
+        place = {"bob": (-4.0 * length, 0.9 * length), "velocity": (0.5 * length, 0.0)}
+        surfaces = [
+            tribo.Surface("upper", asperite=asperite, **place),
+            tribo.Surface(
+                "lower",
+                facing="up",
+                asperite=asperite,
+                bars="free",
+                bath=bath,
+                initial={"phi": 0.1},
+            ),
+        ]
+        scene = tribo.Scene(surfaces, tribo.Gaussian(0.3 * energy, 0.6 * length), 20.0)
+        return tribo.simulate(scene, accuracy=1e-8).cost.force_evaluations
+
+    assert evaluations(2.0**-30) == evaluations(1.0) == evaluations(2.0**20)

@@ -96,6 +96,13 @@ def test_files_of_data(tmp_path):
     path.write_text("t,x\n0,5,1,5\n1,5,2,5")
     with pytest.raises(InputError, match="got 2 names and 4 columns in the first row"):
         trace_of(path, "upper.W")
+    path.write_text("\ufeff0,1\n1,2\n", encoding="utf-8")  # Excel begins with this mark
+    assert trace_of(path, "upper.W").t.tolist() == [0.0, 1.0]
+    path.write_text("force,time\n0.1,0\n0.2,1\n")
+    assert trace_of(path, "upper.W").t.tolist() == [0.0, 1.0]
+    path.write_bytes("time,force [µN]\n0,1\n1,2\n".encode("latin-1"))
+    with pytest.raises(InputError, match="is not a text file in UTF-8"):
+        trace_of(path, "upper.W")
     for wrong, message in (
         ((t[::-1], values), "that increase"),
         ((t - 1.0, values), "from 0 or later"),

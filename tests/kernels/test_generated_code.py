@@ -74,13 +74,15 @@ def scenes() -> dict[str, tribo.Scene]:
 def test_one_loop_for_all_kinds_of_scenes():
     """An effect, or a potential, that is new does not compile the loop again."""
     loops = set()
+    compiled = set()  # how often after each scene; methods of other classes may have been before
     for name, scene in scenes().items():
         layout = lay_out(scene)
         method = METHODS["verlet"]
         loop = GeneralLoop(layout, method, Setting(step=1e-3), layout.start, 0.0)
         loop.advance(np.array([0.0, 1.0]), loop.room(2), 1)
         loops.add(loop.compiled)
-        assert len(loop.compiled.signatures) == 1, name
+        compiled.add(len(loop.compiled.signatures))
+        assert len(compiled) == 1, name
     assert len(loops) == 1
 
 

@@ -343,7 +343,7 @@ class Sliding(dict):
     """What the note on samples uses of a result: times, speeds and works."""
 
     t = np.linspace(0.0, 10.0, 101)
-    scene = SimpleNamespace(surfaces=(tribo.Surface("upper", velocity=(0.5, 0.0)),), fields=())
+    scene = tribo.Scene([tribo.Surface("upper", velocity=(0.5, 0.0))], [], 10.0)
 
 
 def test_samples_of_a_coefficient_are_compared_with_its_work():

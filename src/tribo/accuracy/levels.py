@@ -12,6 +12,7 @@ from tribo.kernels.kinematics import rod_velocity
 from tribo.kernels.records import BARS
 from tribo.layout.layout import Layout, once_per_layout
 from tribo.layout.span import Span
+from tribo.layout.start import bath_slots
 from tribo.ledger.accounts import account_columns
 from tribo.ledger.motion import Motion, mean_velocity
 from tribo.ledger.samples import Samples, are_among
@@ -210,6 +211,10 @@ def tolerances(layout: Layout, scales: ToleranceScales, level: float, near: floa
         live = slots >= 0
         slow = np.minimum(speed, energy / (a.mass[live] * scales.velocity))
         v[slots[live]] = _slower_below(slow, scales.lost_speed)
+    slots, inertias = _torsional_oscillators(layout)
+    if slots.size > 0:
+        q[slots] = level  # angles [rad], unlike the displacements of other oscillators
+        v[slots] = np.minimum(level * scales.rate, energy / (inertias * scales.rate))
     weights = _account_weights(layout)
     # An impulse whose work is a small difference has no digits beyond its own round-off.
     lost = max(FLOOR * scales.impulse, largest(a.mass) * scales.lost_speed)
@@ -218,6 +223,19 @@ def tolerances(layout: Layout, scales: ToleranceScales, level: float, near: floa
     s.fill(impulse)
     np.divide(energy, weights, out=s, where=weights > 0.0)
     return Tolerance(y, s, level, near)
+
+
+@once_per_layout
+def _torsional_oscillators(layout: Layout) -> tuple[np.ndarray, np.ndarray]:
+    """The slots of all torsional oscillators of baths, and their moments of inertia, (n,) each."""
+    slots = [np.empty(0, int)]
+    inertias = [np.empty(0)]
+    for surface, part in zip(layout.scene.surfaces, layout.parts.values(), strict=True):
+        if surface.bath.inertias.size > 0:
+            *_, own = bath_slots(layout.asperites[part], surface.bath)
+            slots.append(own.ravel())
+            inertias.append(np.broadcast_to(surface.bath.inertias, own.shape).ravel())
+    return np.concatenate(slots), np.concatenate(inertias)
 
 
 def _slower_below(tolerance: float | np.ndarray, lost: float) -> float | np.ndarray:

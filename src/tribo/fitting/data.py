@@ -55,9 +55,11 @@ def _from_labels(data: Any) -> tuple[np.ndarray, np.ndarray]:
 def _from_csv(path: Path, quantity: str) -> tuple[np.ndarray, np.ndarray]:
     """Columns of times and of the quantity by their names, or the first two without names."""
     try:
-        text = path.read_text(encoding="utf-8")
+        text = path.read_text(encoding="utf-8-sig")  # Excel begins with a mark
     except OSError as error:
         raise InputError("data", f"{path} cannot be read ({error.strerror or error})") from None
+    except UnicodeDecodeError:
+        raise InputError("data", f"{path} is not a text file in UTF-8") from None
     numbered = [
         (number, line)
         for number, line in enumerate(text.splitlines(), start=1)
@@ -107,7 +109,7 @@ def _columns_of(names: list[str], quantity: str, path: Path) -> tuple[int, int]:
     if len(times) == 1 and len(values) == 1:
         return times[0], values[0]
     if len(names) == 2:
-        return 0, 1
+        return (times[0], 1 - times[0]) if len(times) == 1 else (0, 1)
     raise InputError(
         "data",
         f'{path} must have the columns "time" and "{quantity}", or two columns alone; it has '
