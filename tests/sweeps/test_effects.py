@@ -10,7 +10,8 @@ import tribo
 from tribo import InputError, ensemble, sweep
 from tribo.ensembles.batches import SingleRuns
 from tribo.model.initial import DISPLACEMENTS, UNITS
-from tribo.model.parameters import parts_of, value_of, with_values
+from tribo.model.keys import parts_of
+from tribo.model.parameters import value_of, with_values
 from tribo.model.tables import field_names, table_of
 from tribo.potentials.by_key import values_by_key
 

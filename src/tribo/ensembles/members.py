@@ -19,7 +19,8 @@ from numpy.typing import ArrayLike
 from tribo.ensembles.swing_states import DrawnSwings, JointStart, SwingStates, joint_starts
 from tribo.model.binding import bound, check_together
 from tribo.model.initial import DISPLACEMENTS, UNITS
-from tribo.model.parameters import FIELD, INTERACTION, is_parameter, with_values
+from tribo.model.keys import FIELD, INTERACTION
+from tribo.model.parameters import is_parameter, with_values
 from tribo.model.scene import Scene
 from tribo.validation import LARGEST_NUMBER, InputError, inside, is_list, must_be, short_repr
 

@@ -11,7 +11,8 @@ from tribo.layout.layout import Layout, once_per_layout
 from tribo.layout.scene_records import MemberNumbers, fill_parameters, resting_bobs
 from tribo.layout.slots import slide
 from tribo.model.asperite import Asperite
-from tribo.model.parameters import INTERACTION, reservoir_part, with_values
+from tribo.model.keys import INTERACTION, reservoir_part
+from tribo.model.parameters import with_values
 from tribo.model.surface import Surface
 from tribo.model.tables import field_names
 from tribo.validation import inside

@@ -10,7 +10,8 @@ from pathlib import Path
 from typing import Any, NamedTuple
 
 from tribo.live_pages.keys import Key, numbers_at
-from tribo.model.parameters import INTERACTION, with_values
+from tribo.model.keys import INTERACTION
+from tribo.model.parameters import with_values
 from tribo.model.scene import Scene
 from tribo.model.toml_errors import toml_problem
 from tribo.validation import InputError, as_path, inside, is_list, known_keys, must_be, number

@@ -15,7 +15,8 @@ import numpy as np
 from tribo.layout.layout import Layout, lay_out
 from tribo.live_pages.inputs import inputs_of
 from tribo.loops.pair_records import is_pair
-from tribo.model.parameters import INTERACTION, value_of, with_values
+from tribo.model.keys import INTERACTION
+from tribo.model.parameters import value_of, with_values
 from tribo.model.scene import Scene
 from tribo.model.tables import field_names
 from tribo.potentials.by_key import values_by_key

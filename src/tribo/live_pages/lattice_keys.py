@@ -15,8 +15,9 @@ from tribo.live_pages.image import WORD, Image
 from tribo.live_pages.keys import OF_SURFACE, ROUNDING, TRIED, present_number
 from tribo.live_pages.lattice import Program, program_of
 from tribo.model.drive import Drive
+from tribo.model.keys import INTERACTION
 from tribo.model.number import changes
-from tribo.model.parameters import INTERACTION, with_values
+from tribo.model.parameters import with_values
 from tribo.model.scene import Scene
 from tribo.model.schedule import OF_SINE
 from tribo.model.tables import field_names

@@ -16,7 +16,6 @@ The key of a part without a KEY, as SURFACE.asperite or output, takes the table 
 A star in place of the name of a surface means all surfaces; `tribo.model.binding` has its rules.
 """
 
-import difflib
 import operator
 from collections.abc import Mapping
 from dataclasses import replace
@@ -32,46 +31,40 @@ from tribo.model.binding import bound
 from tribo.model.drive_tables import as_drive
 from tribo.model.drive_tables import as_table as drive_table
 from tribo.model.elastic import as_elastic
-from tribo.model.fields import SETTINGS, Field
+from tribo.model.fields import Field
 from tribo.model.initial import Initial
-from tribo.model.interaction import Periodic
+from tribo.model.keys import (
+    FIELD,
+    INITIAL,
+    INTERACTION,
+    OF_FIELD,
+    OF_SCENE,
+    OF_SURFACE,
+    OF_TWO,
+    PARTS_OF_SCENE,
+    WITHOUT_POINT,
+    keys_of_surface,
+    meant_key,
+    parts_of,
+    parts_of_scene,
+    unknown_key,
+    values_of_only,
+)
 from tribo.model.langevin import PLACES, as_langevin
 from tribo.model.own_drive import Custom
 from tribo.model.scene import Scene
 from tribo.model.schedule import Schedule, component_of, with_component
-from tribo.model.settings import Numerics, Output
 from tribo.model.springs import as_springs
 from tribo.model.surface import Surface
-from tribo.model.tables import changed, field_names, from_table, table_of
+from tribo.model.tables import changed, from_table, table_of
 from tribo.plugins.classes import instance
 from tribo.potentials import by_key
-from tribo.validation import InputError, inside, is_list, known_keys, number, shortened
+from tribo.validation import InputError, inside, is_list, known_keys, number
 
-# The values of the scene itself that have keys.
-OF_SCENE = ("duration", "seed", "title")
-# The parts of the scene whose values have keys.
-PARTS_OF_SCENE = {"output": Output, "numerics": Numerics, "periodic": Periodic}
-# The initial values of a surface, and the other values of its own that have keys.
-INITIAL = field_names(Initial)
-# Those that are two numbers, each of which has a key of its own.
-OF_TWO = ("bob", "velocity", "spacing")
-OWN = [name for name in field_names(Surface) if name != "name"]
-OF_SURFACE = [*INITIAL, *OWN]
 # What reads a part of a surface from its table, or from a word.
 READ: dict[str, Any] = {"drive": as_drive, "bath": as_bath}
 READ |= {"langevin": as_langevin, "springs": as_springs, "elastic": as_elastic}
 READ |= {"asperite": partial(from_table, Asperite), "initial": partial(from_table, Initial)}
-# First parts of the keys of a scene's only interaction, and of its only field.
-INTERACTION = "interaction"
-FIELD = "field"
-# Keys without a point.
-WITHOUT_POINT = (*OF_SCENE, *PARTS_OF_SCENE, INTERACTION, FIELD)
-# The values of a field beside those of its potential.
-OF_FIELD = SETTINGS
-# How similar the last part of a key in a hint is, 1 being the same.
-SIMILAR = 0.75
-# Keys in a hint, at most.
-MOST_HINTS = 3
 
 
 def is_parameter(scene: Scene, key: str) -> bool:
@@ -82,7 +75,7 @@ def is_parameter(scene: Scene, key: str) -> bool:
     """
     part, _, parameter = key.partition(".")
     if part in (INTERACTION, FIELD):
-        return _is_number(_values_of_only(scene, part).get(parameter))
+        return _is_number(values_of_only(scene, part).get(parameter))
     if (point := _point(scene, key)) is not None:
         return component_of(point.present, point.place) is not None
     name, _, parameter = key.rpartition(".")
@@ -99,7 +92,7 @@ def is_parameter(scene: Scene, key: str) -> bool:
 def with_values(scene: Scene, values: Mapping[str, Any]) -> Scene:
     """The scene with other values by keys; a number sets a velocity's x.  Raises InputError."""
     of_parts: dict[str, dict[str, Any]] = {}
-    known = _parts_of(scene)
+    known = parts_of_scene(scene)
     for key, value in _whole(scene, bound(scene, values)).items():
         part, _, name = key.rpartition(".")
         outer, _, inner = key.partition(".")
@@ -107,12 +100,12 @@ def with_values(scene: Scene, values: Mapping[str, Any]) -> Scene:
             part = outer
             name = inner
         if part not in known or (part == outer and not _has_one(scene, part)):
-            raise _unknown(scene, key)
+            raise unknown_key(scene, key)
         of_parts.setdefault(part, {})[name] = value
     whole = of_parts.pop("", {})
     for name in whole:
         if name not in WITHOUT_POINT:
-            raise _unknown(scene, name)
+            raise unknown_key(scene, name)
     own = {name: whole[name] for name in OF_SCENE if name in whole}
     for part in PARTS_OF_SCENE:
         if part in whole or part in of_parts:
@@ -229,23 +222,11 @@ def _set_point(
         found[whole] = tuple(both)
 
 
-def reservoir_part(surface: Surface, on: str) -> str:
-    """What stands in a key for a reservoir: its place is given where a surface has both."""
-    return f"langevin.{on}" if isinstance(surface.langevin, tuple) else "langevin"
-
-
-def parts_of(surface: Surface) -> tuple[str, ...]:
-    """The parts of a surface whose values have keys."""
-    reservoirs = dict.fromkeys(reservoir_part(surface, on) for on in PLACES)
-    elastic = () if surface.elastic is None else ("elastic",)
-    return ("asperite", "drive", *reservoirs, "bath", "springs", *elastic)
-
-
 def value_of(scene: Scene, key: str) -> object:
     """The value of a key as in a file, or None; of a velocity its x, of a drive its kind."""
     outer, _, inner = key.partition(".")
     if outer in (INTERACTION, FIELD) and "." in inner:
-        return _values_of_only(scene, outer).get(inner)
+        return values_of_only(scene, outer).get(inner)
     if (point := _point(scene, key)) is not None:
         return component_of(point.present, point.place)
     if (one := component(key)) is not None:
@@ -295,91 +276,8 @@ def _changed_settings(
         return changed(present, own)
 
 
-def _parts_of(scene: Scene) -> list[str]:
-    """What stands before the last point of a key."""
-    parts = ["", *PARTS_OF_SCENE]
-    for surface in scene.surfaces:
-        parts += [surface.name, *(f"{surface.name}.{part}" for part in parts_of(surface))]
-    parts += [INTERACTION] if len(scene.interactions) == 1 else []
-    return parts + ([FIELD] if len(scene.fields) == 1 else [])
-
-
-def _unknown(scene: Scene, key: str) -> InputError:
-    """The error of a key whose part the scene does not have."""
-    part, _, name = key.rpartition(".")
-    outer = key.partition(".")[0]
-    for kind, items in ((INTERACTION, scene.interactions), (FIELD, scene.fields)):
-        if outer == kind and part:
-            return InputError(key, f"needs one {kind}, and the scene has {len(items)}")
-    keys = _keys_of(scene)
-    own = [each for each in keys if each.startswith(f"{part}.")] if part != outer else []
-    if own:
-        # A part of a surface that has parts itself, as both reservoirs have.
-        hint = _meant(name, own) or f"known here: {shortened(own)}"
-    elif part:
-        near = [outer]
-        if not any(each.startswith(f"{outer}.") for each in keys):
-            near = difflib.get_close_matches(part, _parts_of(scene), n=1)
-        hint = _meant(name, [each for each in keys if near and each.startswith(f"{near[0]}.")])
-        names = ", ".join(f'"{s.name}"' for s in scene.surfaces)
-        example = f'"{scene.surfaces[0].name}.drive.load"'
-        hint = hint or f"the surfaces are {names}; keys are as {example}"
-    else:
-        hint = _meant(name, keys) or f"known here: {', '.join(WITHOUT_POINT)}"
-    return InputError(key, f"is not a known key; {hint}")
-
-
-def _meant(name: str, keys: list[str]) -> str:
-    """Which keys somebody may mean who gives the last part of one, perhaps misspelt; or ""."""
-    last = {key: key.rpartition(".")[2] for key in keys}
-    names = list(dict.fromkeys(last.values()))
-    near = [name] if name in names else difflib.get_close_matches(name, names, 1, SIMILAR)
-    found = [f'"{key}"' for key in keys if last[key] in near]
-    if not found:
-        return ""
-    shown = found[:MOST_HINTS]
-    before = f"{', '.join(shown[:-1])} or " if len(shown) > 1 else ""
-    return f"did you mean {before}{shown[-1]}?"
-
-
-def _keys_of(scene: Scene) -> list[str]:
-    """The keys of a scene, without those of numbers of schedules and of one of two numbers."""
-    found = [*WITHOUT_POINT]
-    for part, kind in PARTS_OF_SCENE.items():
-        found += [f"{part}.{name}" for name in field_names(kind)]
-    for part in (INTERACTION, FIELD):
-        found += [f"{part}.{name}" for name in _values_of_only(scene, part)]
-    for surface in scene.surfaces:
-        found += _keys_of_surface(surface)
-    return found
-
-
-def _keys_of_surface(surface: Surface) -> list[str]:
-    """The keys of a surface and of the parts that it has, likewise."""
-    found = [f"{surface.name}.{name}" for name in OF_SURFACE]
-    for part in parts_of(surface):
-        name, _, on = part.partition(".")
-        present = getattr(surface, name)
-        if on:
-            present = present[list(PLACES).index(on)]
-        if isinstance(present, Custom):
-            names = tuple(by_key.values_by_key(present.force))
-        elif isinstance(present, Bath):
-            names = tuple(bath_table(present))
-        else:
-            names = () if present is None else field_names(type(present))
-        found += [f"{surface.name}.{part}.{each}" for each in names]
-    return found
-
-
 def _is_number(value: object) -> bool:
     return isinstance(value, (int, float)) and not isinstance(value, bool)
-
-
-def _values_of_only(scene: Scene, part: str) -> dict[str, Any]:
-    """The parameters of the only interaction or field by their keys; none of several."""
-    items: tuple[Any, ...] = scene.interactions if part == INTERACTION else scene.fields
-    return by_key.values_by_key(items[0].potential) if len(items) == 1 else {}
 
 
 def _value_of_part(surface: Surface, part: str, name: str) -> object:
@@ -405,7 +303,7 @@ def _changed_surface(surface: Surface, of_parts: Mapping[str, dict[str, Any]]) -
     with inside(surface.name):
         given = of_parts.get(surface.name, {})
         for key in given:
-            if key not in OF_SURFACE and (hint := _meant(key, _keys_of_surface(surface))):
+            if key not in OF_SURFACE and (hint := meant_key(key, keys_of_surface(surface))):
                 raise InputError(key, f"is not a known key; {hint}")
         own = known_keys(given, OF_SURFACE)
         if "velocity" in own and not is_list(own["velocity"]):
