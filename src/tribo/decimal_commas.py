@@ -24,7 +24,7 @@ def check_commas(path: Path, lines: Iterable[str]) -> None:
         raise InputError(
             "file",
             f"{path} must have decimal points, got a decimal comma in the line "
-            f"{short_repr(found)}; write 0.5 for 0,5",
+            f"{short_repr(found)}; write 0.5 for 0,5, or a heading for each column if it separates",
         )
 
 

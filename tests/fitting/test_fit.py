@@ -98,6 +98,8 @@ def test_files_of_data(tmp_path):
         trace_of(path, "upper.W")
     path.write_text("\ufeff0,1\n1,2\n", encoding="utf-8")  # Excel begins with this mark
     assert trace_of(path, "upper.W").t.tolist() == [0.0, 1.0]
+    path.write_text("time,force\n0.,1.,\n1.,2.,\n")
+    assert trace_of(path, "upper.W").values.tolist() == [1.0, 2.0]
     path.write_text("force,time\n0.1,0\n0.2,1\n")
     assert trace_of(path, "upper.W").t.tolist() == [0.0, 1.0]
     path.write_bytes("time,force [µN]\n0,1\n1,2\n".encode("latin-1"))

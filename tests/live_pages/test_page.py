@@ -43,7 +43,7 @@ def test_replaced_pages_of_other_commands(tmp_path, capsys, monkeypatch):
         assert capsys.readouterr().err == ""
         assert main([second, "d.toml"]) == 0
         assert capsys.readouterr().err == (
-            f"tribo: d.html was a page of tribo {first}, and is replaced; -o d_{second}.html "
+            f"tribo: d.html is a page of tribo {first}; this one replaces it; -o d_{second}.html "
             "keeps both\n"
         )
 

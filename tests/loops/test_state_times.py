@@ -7,6 +7,8 @@ import pytest
 
 import tribo
 from tribo import Corrugation, Field, Pulled, Pushed
+from tribo.layout.legs import BEGUN
+from tribo.loops.saved_state import _begun
 
 HOW = {"method": "verlet", "step": 0.02}
 
@@ -85,3 +87,12 @@ def test_fields_in_another_order_stay_in_place():
     more = scene(free, 20.0, [(1.0, 0.0), (1.5, 0.3), (2.0, 0.4)])
     placed = tribo.simulate(more, **HOW, start=first.state()).state()
     assert placed.phases[1:, 0] == pytest.approx([0.0, 0.3 * 20.0, 0.4 * 10.0])
+
+
+def test_times_in_states_of_earlier_versions():
+    """There, a push had the time of its drive, and a modulation that of its field."""
+    fields = ((1.0, 0.0),)
+    old = {"begun": np.array([[1.0, 2.0, 3.0, 4.0, 5.0, 6.0, 7.0], [0, 0, 0, 0, 0, 0, 8.0]])}
+    of_tip, of_field = _begun(old, scene(Pulled(stiffness=1.0, speed=0.1), 4.0, fields))
+    assert [of_tip[BEGUN.index(name)] for name in ("stage", "push_x", "push_y")] == [3.0, 1.0, 1.0]
+    assert of_field[BEGUN.index("field")] == of_field[BEGUN.index("modulation")] == 8.0

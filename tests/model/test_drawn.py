@@ -71,7 +71,14 @@ asperite = {charge = {file = "plain.txt"}}
 
 @pytest.mark.parametrize(
     "text",
-    ["0,1\n0,2\n", "a,b\n0,01\n0,02\n", "0.5,1\n1,2\n", "0, 1\n0, 2\n", "on,n\nbob 1,1\nbob 2,2\n"],
+    [
+        "0,1\n0,2\n",
+        "a,b\n0,01\n0,02\n",
+        "a,b\n0,1,\n0,2,\n",
+        "0.5,1\n1,2\n",
+        "0, 1\n0, 2\n",
+        "on,n\nbob 1,1\nbob 2,2\n",
+    ],
 )
 def test_commas_that_separate_columns(text, tmp_path):
     """Between whole numbers, too, where no other separator or heading tells of decimals."""

@@ -552,6 +552,11 @@ LINES = {
     "periodic.x = True": "; write true, false, inf and nan in small letters",
     "seed = 1\nseed = 2": "'seed = 2'; write each key once",
     "[surface]\n[surface]": "'[surface]'; write [[surface]] for each surface",
+    "[surface]\n[[surface]]": "'[[surface]]'; write [[surface]] for the first too",
+    "[output": "'[output'; close the brackets of a heading, as [output] and [[surface]]",
+    "[output.x]\n[output.x]": "'[output.x]'; write each table once",
+    "// a comment": "'// a comment'; begin a comment with #",
+    "duration = 1.0 seed = 2": "'duration = 1.0 seed = 2'; write each key in a line of its own",
     "[output]\n[output]": "'[output]'; write each table once",
 }
 
@@ -561,6 +566,12 @@ def test_lines_that_are_not_toml(tmp_path, capsys, line):
     """The message quotes the line and says what to write."""
     said = message(tmp_path, capsys, f"# A scene.\n{line}\n".encode())
     assert "scene.toml: is not valid TOML: " in said and said.endswith(LINES[line])
+
+
+def test_a_class_may_have_a_duration(tmp_path, capsys):
+    """Its field is no duration of the scene that stands at a wrong place."""
+    text = b'[[interaction]]\npotential = "own.py:Own"\nduration = 2.0\n[[surface]]\nname = "a"\n'
+    assert message(tmp_path, capsys, text).startswith("duration: is missing")
 
 
 def test_a_duration_below_a_table(tmp_path, capsys):

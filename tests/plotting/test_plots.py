@@ -163,6 +163,24 @@ def test_snapshots_of_a_long_way_are_apart():
     assert np.ptp(first.get_xdata()) < 4.0
 
 
+def test_a_corrugation_that_has_stopped_is_where_it_came_to():
+    """In a run that goes on with a field at another velocity."""
+
+    def scene(velocity, end):
+        tip = tribo.Surface("tip", bob=(0.0, 1.0), drive="bars")
+        field = tribo.Field(tribo.Corrugation(0.1, 1.0), on=["tip"], velocity=(velocity, 0.0))
+        output = tribo.Output(samples=5)
+        return tribo.Scene((tip,), (), end, fields=(field,), output=output)
+
+    first = tribo.simulate(scene(0.5, 1.0), method="verlet", step=0.01)
+    then = tribo.simulate(scene(0.0, 2.0), method="verlet", step=0.01, start=first.state())
+    drawn = []
+    for result in (first, then):
+        (line,) = result.plot.snapshots([1.0]).get_lines()
+        drawn.append(line.get_ydata() - line.get_ydata().mean())
+    assert np.allclose(*drawn, atol=1e-6)
+
+
 def test_springs_between_bars():
     """Each lattice spring is a line from bar to bar, but for one around a ring."""
     springs = tribo.Springs(stiffness=1.0, wrap=True)

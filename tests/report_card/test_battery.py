@@ -230,6 +230,7 @@ class Adhesive(NamedTuple):
 JONES = tribo.LennardJones(1.0, 1.0)
 R = np.geomspace(0.8, 4.0, 300)
 RIGHT = {
+    "a stiff spring": expression("0.5*k*(r - r0)**2", k=1e10, r0=1.0),
     **{KINDS[kind]: Suspect(float(kind)) for kind in range(5)},
     "a declared kink": Suspect(float(MORSE), bend=0.1, within=1.0, smooth=1.0),
     "a declared jump": Suspect(float(MORSE), kink=0.1, within=0.0, smooth=0.0),
@@ -298,4 +299,4 @@ def test_battery(name):
 
 def test_size():
     """The battery has as many wrong forces as the page on report cards says."""
-    assert len(WRONG) == 78 and len(RIGHT) == 41
+    assert len(WRONG) == 78 and len(RIGHT) == 42

@@ -70,7 +70,6 @@ FROM_A_TIME_OR_AUTO = {
     "plot.friction_force": lambda result, after: result.plot.friction_force("upper", after),
 }
 WRONG_TIMES = {
-    -1.0: "must not be negative",
     5.0: "must be before the end of the run, t = 5, got 5",
     7.0: "must be before the end of the run, t = 5, got 7",
     float("nan"): "must be a finite number",

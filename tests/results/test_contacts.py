@@ -146,6 +146,16 @@ def test_discs_of_a_map_do_not_overlap():
     assert np.all(apart + 1e-12 >= (radii[:, None] + radii) * ~np.eye(4, dtype=bool))
 
 
+def test_discs_of_asperites_at_one_place_are_seen():
+    """One above the other in x and z, as wide as the way to the next place."""
+    places = [[0.0, 0.0, 0.0]] * 4 + [[1.0, 0.0, 1.0]]
+    surface = Surface("upper", positions=places, drive="free")
+    scene = Scene((surface,), (), 1.0, output=Output(samples=3, series=("forces",)))
+    ax = tribo.simulate(scene, method="verlet", step=0.5).plot.friction_map("upper")
+    (discs,) = ax.collections
+    assert np.all(discs.get_widths() >= 1.0)
+
+
 def test_a_profile_of_velocities(result):
     """The upper surface slides at 0.4 over the lower one, which is below it."""
     profile = result.velocity_profile()

@@ -214,7 +214,8 @@ def tolerances(layout: Layout, scales: ToleranceScales, level: float, near: floa
     slots, inertias = _torsional_oscillators(layout)
     if slots.size > 0:
         q[slots] = level  # angles [rad], unlike the displacements of other oscillators
-        v[slots] = np.minimum(level * scales.rate, energy / (inertias * scales.rate))
+        momenta = np.maximum(inertias * scales.rate, TINY)
+        v[slots] = np.minimum(level * scales.rate, energy / momenta)
     weights = _account_weights(layout)
     # An impulse whose work is a small difference has no digits beyond its own round-off.
     lost = max(FLOOR * scales.impulse, largest(a.mass) * scales.lost_speed)

@@ -45,7 +45,9 @@ def _run(options: argparse.Namespace) -> int:
     else:
         result = _simulated(options)
         same = True
-    if shared.is_table(options.out):
+    if shared.is_table(options.out) and result.status == "Interrupted":
+        print(f"tribo: {options.out} is not written, as the run was interrupted", file=sys.stderr)
+    elif shared.is_table(options.out):
         result.save(options.out)
     print(result.to_json() if options.json else f"{result}\n\n{_next(options, result)}")
     shared.draw_to(options.figure, partial(_draw, result))

@@ -199,10 +199,8 @@ def page_of(options: argparse.Namespace, command: str, other: str) -> Path:
     page: Path = options.scene.with_suffix(".html")
     if page.is_file() and PAGES[other].encode() in read_file(page):
         kept = page.with_stem(f"{page.stem}_{command}")
-        print(
-            f"tribo: {page} was a page of tribo {other}, and is replaced; -o {kept} keeps both",
-            file=sys.stderr,
-        )
+        line = f"{page} is a page of tribo {other}; this one replaces it; -o {kept} keeps both"
+        print(f"tribo: {line}", file=sys.stderr)
     return page
 
 

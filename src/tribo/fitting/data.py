@@ -77,7 +77,7 @@ def _from_csv(path: Path, quantity: str) -> tuple[np.ndarray, np.ndarray]:
     if not _is_number(rows[0][0]):
         names = [word.strip() for word in rows.pop(0)]
         columns = _columns_of(names, quantity, path)
-        if delimiter and rows and len(rows[0]) > len(names):
+        if delimiter and rows and len(_without_end(rows[0])) > len(names):
             raise InputError(
                 "data",
                 f"{path} must have a name for each column, got {len(names)} names and "
@@ -100,6 +100,12 @@ def _from_csv(path: Path, quantity: str) -> tuple[np.ndarray, np.ndarray]:
         raise InputError("data", f"{path} has no rows")
     t, values = np.array(table).T
     return t, values
+
+
+def _without_end(row: list[str]) -> list[str]:
+    """A row without the empty cells at its end."""
+    filled = [k for k, word in enumerate(row, start=1) if word.strip()]
+    return row[: filled[-1] if filled else 0]
 
 
 def _columns_of(names: list[str], quantity: str, path: Path) -> tuple[int, int]:

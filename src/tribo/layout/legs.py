@@ -23,8 +23,12 @@ SAME = 1e-12
 # What has a time of its own, in the columns of `Layout.begun`.  Of surfaces: a user's drives and
 # forces on ends, stages, loads, the reservoirs on bars and swings, and pushes along x and y.  Of
 # fields, whose rows follow those: a user's energy that depends on time, and modulations.
-OF_SURFACES = ("drive", "ends", "stage", "load", "heat", "swing_heat", "push_x", "push_y")
-BEGUN = (*OF_SURFACES, "field", "modulation")
+BEGUN = (
+    *("drive", "ends", "stage", "load", "heat", "swing_heat"),
+    "field",
+    *("push_x", "push_y"),
+    "modulation",
+)
 
 
 class Scheduled(NamedTuple):

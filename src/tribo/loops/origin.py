@@ -272,7 +272,7 @@ def _begun(layout: Layout, state: State, old: dict[str, Any], new: dict[str, Any
 
 
 def _timed(surface: dict[str, Any]) -> dict[str, object]:
-    """What depends on time in the table of a surface, by the names in `OF_SURFACES`."""
+    """What depends on time in the table of a surface, by the names in `BEGUN`."""
     drive = surface["drive"]
     pushes = zip(drive["force"], drive["rate"], strict=True) if drive["kind"] == Pushed.kind else ()
     push_x, push_y = tuple(pushes) or (None, None)

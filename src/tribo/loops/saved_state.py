@@ -56,9 +56,9 @@ class State:
     phases : ndarray, (surfaces + fields, 2)
         Displacement of each pulling stage and of each field at `t`.
     begun : ndarray, (surfaces + fields, 10)
-        When the own times were zero of each surface's drive, of a user's forces on the ends of its
-        bars, of its stage, its load, its reservoirs on bars and swings, and its push along x and y,
-        and in the last columns of each field and of its modulation; zero unless a run from a state
+        When the own times were zero: of each surface's drive, of a user's forces on the ends of its
+        bars, of its stage, its load, and its reservoirs on bars and swings; of each field; of each
+        surface's push along x and y; and of each field's modulation. Zero unless a run from a state
         began with others.
     memory : dict
         Data that the method needs to continue bit for bit, and the random generator.
@@ -212,10 +212,16 @@ def _surface(layout: Layout, part: slice, t: float, y: np.ndarray) -> Table:
 
 
 def _begun(arrays: Mapping[str, np.ndarray], scene: Scene) -> np.ndarray:
-    """When own times were zero; earlier versions, from whose states no run continues, had fewer."""
+    """When own times were zero; earlier versions, from whose states no run continues, had fewer.
+
+    There, pushes had the time of their drive, and modulations that of their field.
+    """
     begun = np.zeros((len(scene.surfaces) + len(scene.fields), len(BEGUN)))
     known = arrays.get("begun", np.zeros((0, 0)))
     begun[: len(known), : known.shape[1]] = known
+    for name, before in (("push_x", "drive"), ("push_y", "drive"), ("modulation", "field")):
+        if BEGUN.index(name) >= known.shape[1]:
+            begun[:, BEGUN.index(name)] = begun[:, BEGUN.index(before)]
     return begun
 
 

@@ -89,7 +89,8 @@ def column(table: Mapping[str, Any], folder: Path) -> list[float]:
     if not rows:
         raise InputError(FILE, f"{path} has no rows")
     headings = [] if _is_number(rows[0][0]) else rows.pop(0)
-    if separator and headings and rows and len(rows[0]) > len(headings):
+    filled = [k for k, word in enumerate(rows[0], start=1) if word] if rows else []
+    if separator and headings and filled and filled[-1] > len(headings):
         raise InputError(
             FILE,
             f"{path} must have a heading for each column, got {len(headings)} headings and "

@@ -97,6 +97,8 @@ def _place_of(key: str, table: object) -> str:
     if not isinstance(table, dict) or key in table:
         return ""
     for name, value in table.items():
+        if name in ("interaction", "field"):  # whose classes may have fields of any name
+            continue
         if isinstance(value, dict) and key in value:
             return f"[{name}]"
         if isinstance(value, list) and any(isinstance(v, dict) and key in v for v in value):

@@ -10,7 +10,10 @@ PLACE = re.compile(r"\(at line (\d+), column \d+\)")
 MENDS = (
     (r"[\u2018-\u201f\u00ab\u00bb]", 'write straight quotes, as "coulomb"'),
     (r"[\u2010-\u2015\u2212]", "write the minus as a hyphen, -"),
+    (r"^\[[^\]]*\]?$", "close the brackets of a heading, as [output] and [[surface]]"),
+    (r"^(//|%)", "begin a comment with #"),
     (r"^[^=]*$", "write KEY = VALUE"),
+    (r"=.*[\w\"\]]\s+[\w.]+\s*=", "write each key in a line of its own"),
     (r"=\s*[+-]?[\d.]*\d,\d+\s*$", "write decimals with a point, as 0.5"),
     (r";\s*$", "leave out the semicolon at the end"),
     (r"(?<![\w.])\.\d", "write a digit before the point, as 0.5"),
@@ -31,17 +34,21 @@ def toml_problem(error: Exception, text: str) -> str:
     """The problem of a text that the parser refused: its message, the line, and what to write."""
     problem = f"is not valid TOML: {error}"
     place = PLACE.search(str(error))
-    lines = text.splitlines()
+    lines = text.split("\n")
     if place is None or not 0 < int(place[1]) <= len(lines):
         return problem
     line = lines[int(place[1]) - 1].strip()
-    mend = "write each key once" if "overwrite" in str(error) else _mend(line)
+    mend = _mend(line)
+    if "overwrite" in str(error):
+        mend = "write each key once"
+        if line.startswith("[["):
+            mend = f"write {line} for the first too"
     return f"{problem}; the line is {short_repr(line)}" + (f"; {mend}" if mend else "")
 
 
 def _mend(line: str) -> str:
     """What to write instead of a line, or "" if that is not known."""
-    header = re.fullmatch(r"\[\s*(\w+)\s*\]", _without_comment(line))
+    header = re.fullmatch(r"\[\s*([\w.]+)\s*\]", _without_comment(line))
     if header is not None and header[1] in SEVERAL:
         return f"write [[{header[1]}]] for each {header[1]}"
     if header is not None:

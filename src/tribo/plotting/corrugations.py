@@ -8,9 +8,9 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from tribo.model.fields import Field, depends_on_time, period_of
-from tribo.model.scene import Scene
 from tribo.plotting.marks import Box
 from tribo.plotting.pose import Pose
+from tribo.results.run_result import RunResult
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -32,8 +32,11 @@ class CorrugationLine:
     faces up, and its scale is that of the drawing.  Modulations with time are not drawn.
     """
 
-    def __init__(self, fields: Sequence[Field], poses: Sequence[Pose]) -> None:
+    def __init__(
+        self, fields: Sequence[Field], anchors: Sequence[np.ndarray], poses: Sequence[Pose]
+    ) -> None:
         self._fields = fields
+        self._anchors = anchors  # (2,) each: displacements at t = 0
         self._period = min(filter(None, (period_of(field.potential) for field in fields)))
         rod = float(poses[0].rods.max())
         self._half_height = SWELL * rod
@@ -67,21 +70,26 @@ class CorrugationLine:
     def _energy(self, t: float, x: float) -> float:
         """The energy at a place along x; users' functions may take no arrays."""
         energy = 0.0
-        for field in self._fields:
-            own_x = x - field.origin[0] - field.velocity[0] * t
-            own_y = self._bob - field.origin[1] - field.velocity[1] * t
+        for field, anchor in zip(self._fields, self._anchors, strict=True):
+            own_x = x - field.origin[0] - anchor[0] - field.velocity[0] * t
+            own_y = self._bob - field.origin[1] - anchor[1] - field.velocity[1] * t
             energy += float(field.potential.energy_at(own_x, own_y))
         return energy
 
 
-def corrugation_line(scene: Scene, poses: Sequence[Pose]) -> CorrugationLine | None:
-    """The line of the fields of a scene that repeat along x and do not change; None without any.
+def corrugation_line(result: RunResult, poses: Sequence[Pose]) -> CorrugationLine | None:
+    """The line of the fields of a run that repeat along x and do not change; None without any.
 
     There is none of several surfaces either, where it would run through the bobs of another one.
     """
-    fields = [
-        field
-        for field in scene.fields
+    scene = result.scene
+    chosen = [
+        k
+        for k, field in enumerate(scene.fields)
         if period_of(field.potential) is not None and not depends_on_time(field.potential)
     ]
-    return CorrugationLine(fields, poses) if fields and len(scene.surfaces) == 1 else None
+    if not chosen or len(scene.surfaces) > 1:
+        return None
+    anchors = result.state().anchors[len(scene.surfaces) :]
+    fields = [scene.fields[k] for k in chosen]
+    return CorrugationLine(fields, [anchors[k] for k in chosen], poses)

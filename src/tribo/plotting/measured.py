@@ -24,6 +24,10 @@ if TYPE_CHECKING:
 
 # What a map of forces shows.
 FORCES = ("friction", "normal")
+# Decimals of places, relative to the extent of all, within which two are one.
+SAME_PLACE = 9
+# Discs that a figure in vectors has at most; more are an image in it.
+MOST_VECTORS = 2000
 # Height that a map's title and labels take, relative to the width of its figure.
 ROOM_OF_MAP = 0.25
 
@@ -147,10 +151,18 @@ def _discs(ax: Axes, places: np.ndarray, values: np.ndarray, look: dict[str, Any
     from matplotlib.collections import EllipseCollection
     from scipy.spatial import KDTree
 
-    apart = KDTree(places).query(places, k=2)[0][:, 1]
+    extent = float(np.ptp(places, axis=0).max()) or 1.0
+    _, first = np.unique(np.round(places / extent, SAME_PLACE), axis=0, return_index=True)
+    unlike = places[first]
+    apart = np.full(len(places), extent)
+    if len(unlike) > 1:  # those of several asperites at one place lie over one another
+        tree = KDTree(unlike)
+        nearest = tree.query(unlike, k=2)[0][:, 1]
+        apart = nearest[tree.query(places)[1]]
     sizes = np.minimum(apart, np.median(apart))
     where: dict[str, Any] = {"offsets": places, "offset_transform": ax.transData, "units": "xy"}
     edge: dict[str, Any] = {"edgecolors": "0.5", "linewidths": 0.3}
+    edge["rasterized"] = len(places) > MOST_VECTORS
     discs = EllipseCollection(sizes, sizes, np.zeros(len(places)), **where, **edge, **look)
     discs.set_array(values)
     ax.add_collection(discs, autolim=False)

@@ -78,7 +78,7 @@ def snapshots(
     poses = [pose(result, float(result.t[k]), bath, wrap=True) for k in samples]
     room = 0.0 if forces is None else ARROW_ROOM * float(poses[0].rods.max())
     boxes = np.array([now.box for now in poses]) + np.array([-room, room, 0.0, 0.0])
-    line = corrugation_line(result.scene, poses)
+    line = corrugation_line(result, poses)
     if line is not None:
         boxes = _on_one_stretch(np.array([line.in_box(marks.Box(*box)) for box in boxes]))
     widths = boxes[:, 1] - boxes[:, 0]

@@ -53,6 +53,8 @@ STEP = 1e-9
 ROUNDED = 4.0 * EPSILON
 # Distance to either side of a parameter at which energies are compared, in search of a step [r].
 ASIDE = 1e-6
+# And once more, closer: a slope changes the energy less there, and a step as much.
+CLOSER = 1e-9
 # Cells beyond the distance from which the force has vanished: where it has a kink, it lies there.
 BEYOND = 8
 # Distances on either side of a minimum at which the force must have one sign, as round-off has not.
@@ -301,11 +303,14 @@ class PotentialScan:
             unit = float(after)
 
     def _has_step(self, x: float, least: float) -> bool:
-        """Whether the energy changes by more than `least` just around x."""
+        """Whether the energy jumps by more than `least` at x: it changes as much close around x."""
         if not 0.0 < x < WITHOUT_OWN:
             return False
-        before, after = self.compiled(x * np.array([1.0 - ASIDE, 1.0 + ASIDE]))[0]
-        return bool(least < abs(after - before) < LARGEST_NUMBER)
+        far, near = (
+            float(np.abs(np.diff(self.compiled(x * np.array([1.0 - side, 1.0 + side]))[0]))[0])
+            for side in (ASIDE, CLOSER)
+        )
+        return least < near and far < LARGEST_NUMBER and near > 0.5 * far
 
     def _parameters(self) -> set[float]:
         """The sizes of the numbers among the fields: any of them may be a length."""

@@ -35,6 +35,8 @@ from tribo.validation import InputError, must_be, number, vector
 # Most decimals, and the largest number, that a mean is shown with without a power of ten.
 MOST_DECIMALS = 6
 MOST_PLAIN = 1e6
+# Decimals of a mean with a power of ten, at most: a floating-point number has no more.
+MOST_DIGITS = 15
 # Number of functions; the last one has half as many periods.  More would reach the frequency of
 # ten slips, fewer leave few degrees of freedom.
 FUNCTIONS = 12
@@ -359,7 +361,7 @@ def mean_text(mean: float, half_width: float, sign: str = "+-") -> str:
     if rounded == 0.0:
         return f"0 {sign} {half_width:.1e}"
     _, _, exponent_of_mean = f"{rounded:e}".partition("e")
-    digits = max(0, decimals + int(exponent_of_mean))
+    digits = min(max(0, decimals + int(exponent_of_mean)), MOST_DIGITS)
     return f"{rounded:.{digits}e} {sign} {half_width:.1e}"
 
 

@@ -13,7 +13,7 @@ from tribo.ledger.quantity import Table
 from tribo.loops.saved_state import State
 from tribo.model.identity import Identity
 from tribo.model.scene import Scene
-from tribo.validation import NOT_NEGATIVE, InputError, must_be, number
+from tribo.validation import InputError, must_be, number
 
 T = TypeVar("T")
 
@@ -54,7 +54,7 @@ def begin_of(result: "RunResult", after: object) -> float:
     """
     if after is None:
         return result.scene.output.run_in
-    begin = number("after", after, NOT_NEGATIVE, "time")
+    begin = number("after", after, unit="time")
     end = float(result.t[-1])
     if begin >= end:
         problem = f"must be before the end of the run, t = {end:g}, got {begin:g}"
