@@ -13,7 +13,7 @@ from tribo.validation import InputError, short_repr
 COMMA = re.compile(r"[+-]?\d+(\.\d{3})*,(?P<decimals>\d+)([eEdD][+-]?\d+)?")
 # A number without a comma.
 PLAIN = re.compile(r"[+-]?(\d+\.?\d*|\.\d+)([eEdD][+-]?\d+)?")
-# Decimals that nobody writes as a whole number.
+# Decimals that cannot be a whole number: with a zero in front, or with ten digits and more.
 DECIMALS = re.compile(r"0\d+|\d{10,}")
 
 

@@ -51,7 +51,7 @@ def check_limits(scan: PotentialScan) -> Check:
 def _collapse(scan: PotentialScan) -> str:
     """What to say of an energy that falls without end inside a barrier; empty if it does not.
 
-    That of an attraction at all distances has no barrier, and surprises nobody.
+    That of an attraction at all distances has no barrier, and is meant.
     """
     inner = scan.r < scan.length
     inward = scan.force[inner][::-1]  # from the typical distance
